@@ -7,7 +7,7 @@
 
 namespace gabion {
 
-/// What the handshake holds each participant to.
+/// Requirements of the handshake on each participant.
 std::vector<Expected> expected_participants(const CouplerSettings& settings,
                                             const std::string& scene_hash);
 

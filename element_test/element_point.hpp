@@ -6,7 +6,7 @@
 namespace gabion::element {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-/// By the six strains and the pore pressure.
+/// Derivatives by the six strains and the pore pressure.
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 
 /// State of the sample.
@@ -25,18 +25,18 @@ struct ElementState {
 
   /// Total Cauchy stress, tension positive, in the order of component_names [Pa].
   Vector6 stress() const;
-  /// That of the skeleton.
+  /// Effective stress, that of the skeleton.
   Vector6 effective_stress() const;
 };
 
-/// What an increment is tried with.
+/// Trial values of an increment.
 struct Trial {
   Vector6 strain;            ///< at its end
   double pore_pressure = 0;  ///< at its end, where the water does not follow from the volume [Pa]
   double dt = 0;             ///< [s]
 };
 
-/// How the water of an increment behaves.
+/// Behaviour of the pore water in an increment.
 struct PoreState {
   bool undrained = false;
   double content = 0;  ///< of undrained soil with water, see PoreWater

@@ -85,7 +85,7 @@ TimeFunction read_factor(ConfigReader& in) {
   return in.has("table") ? read_time_table(in) : TimeFunction::constant(1);
 }
 
-/// Where a load, mass or spring acts.
+/// Read the place at which a load, mass or spring acts.
 template <int dim, class Settings>
 void read_place(ConfigReader& in, Settings& s) {
   if (in.has("point") == in.has("group")) {
@@ -194,7 +194,7 @@ void require_distinct_facets(const ConfigReader& in, const FemSettings<dim>& s) 
   }
 }
 
-// Without inertia a direction that nothing holds makes the matrix singular.
+// A direction that nothing holds makes the matrix singular where there is no inertia.
 template <int dim>
 void require_support(const ConfigReader& in, const FemSettings<dim>& s) {
   for (int c = 0; c < dim; ++c) {

@@ -108,7 +108,7 @@ struct SectionSettings {
   std::string where;
 };
 
-/// How a structure starts and moves, whatever it is made of.
+/// Settings of the start and the motion of a structure, whatever it is made of.
 template <int dim>
 struct MotionSettings {
   bool dynamic = true;  ///< false: inertia is left out

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where the programs, scripts and descriptions of keys are, and the readers of results of the scripts."""
+"""Paths of the programs, scripts and descriptions of keys, and the scripts' readers of results."""
 
 import os
 import sys

@@ -106,7 +106,7 @@ Basis read_basis(ConfigReader& in, const BackgroundGrid<dim>& grid,
   return bases.at(name);
 }
 
-// How the points of a body lie. Domains fill the body only around regular points.
+// Placement of the points of a body. Domains fill the body only around regular points.
 template <int dim>
 PointPlacement read_placement(ConfigReader& in, const Mesh<dim>& mesh, Basis basis) {
   const bool is_brick = mesh.cell_type == CellType::quad4 || mesh.cell_type == CellType::hex8;
@@ -275,7 +275,7 @@ void require_names_apart(const ConfigReader& in, const MpmSettings<dim>& setting
   }
 }
 
-// How systems of equations are solved; refused where none is.
+// Settings of the solution of systems of equations; they are refused where none is solved.
 template <int dim>
 void read_solvers(ConfigReader& in, MpmSettings<dim>& settings) {
   const char* reason = "has no meaning where all phases are explicit";

@@ -57,8 +57,8 @@ class Participant : private RequestHandler {
   ///                            of the structure: in 2D to the right of the way along the segment
   void set_interface(const std::string& name, std::span<const double> coordinates,
                      int vertices_per_facet = 0, std::span<const std::int64_t> facets = {});
-  /// Which force a soil sends on this interface; by default the force at the end of the step. Call
-  /// it before initialize() and after set_interface().
+  /// Set the kind of force that a soil sends on this interface; by default the force at the end of
+  /// the step. Call it before initialize() and after set_interface().
   void set_force_kind(const std::string& interface, ForceKind kind);
   /// Numbers that the run shall record. Call it before initialize().
   /// @param values  in the initial state, as many as names
@@ -100,8 +100,8 @@ class Participant : private RequestHandler {
   /// Whether to go back to the state that was saved. To ask is the promise to do so.
   bool requires_reading_checkpoint();
 
-  /// Which force read_data() gives on this interface: that at the end of the step, or the mean
-  /// force, which is to act as a constant load over the step. The same in all steps.
+  /// Kind of force that read_data() gives on this interface: that at the end of the step, or the
+  /// mean force, which is to act as a constant load over the step. The same in all steps.
   ForceKind force_kind(const std::string& interface);
   /// Received values at the end of the step, num_vertices x dim: force [N] or displacement [m].
   std::vector<double> read_data(const std::string& interface);
@@ -122,8 +122,8 @@ class Participant : private RequestHandler {
   std::size_t num_values(const std::string& interface) const;
 
  private:
-  // What the coupler asks. An answer that waits for the code, which has to go back first, say, is
-  // pending.
+  // The functions below answer the coupler. An answer is pending while it waits for the code, which
+  // may have to go back first.
   Answer set_force_kinds(const ForceKinds& kinds) override;
   Answer solve_step(const StepRequest& step, InterfaceValues received) override;
   Answer accept_step(const StepRequest& step, bool solved) override;

@@ -19,8 +19,8 @@ namespace gabion {
 /// @throws ProtocolError  refused, coupler lost, or the coupler ended the run
 void serve(Solver& solver, Connection& connection, const std::function<void()>& welcomed = {});
 
-/// As above, from after the handshake on, where another object stands between the connection and
-/// the solver.
+/// Like serve() with a connection, after the handshake, where another object stands between the
+/// connection and the solver.
 /// @param requests  gives on what the connection gets
 void serve(Solver& solver, Connection& connection, RequestSource& requests);
 

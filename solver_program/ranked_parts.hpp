@@ -11,8 +11,8 @@
 
 namespace gabion {
 
-/// How the states of all ranks lie in one, whose arrays hold those of the ranks one after the
-/// other: "ranks", their number; "facts" of each; "reals", "integers": by array the number of
+/// Layout of the states of all ranks in one state, whose arrays hold those of the ranks one after
+/// the other: "ranks", their number; "facts" of each; "reals", "integers": by array the number of
 /// values of each; "lists", see State::lists.
 /// @param own  of this rank; equal names on all ranks
 /// @returns    on the first rank; null on the others
@@ -25,7 +25,7 @@ using ArraySize = std::function<std::int64_t(const std::string& kind, const std:
 /// @throws Error  not what gather_parts() made of arrays of these sizes
 void check_parts(const Json& parts, const ArraySize& size);
 
-/// From the first rank to all. @note Collective.
+/// Send a value from the first rank to all. @note Collective.
 Json broadcast(MPI_Comm comm, const Json& value);
 
 }  // namespace gabion

@@ -41,7 +41,8 @@ class FollowingRequests final : public RequestSource {
   MPI_Comm comm_;
 };
 
-/// On the first rank, when there will be no further request: the other ranks end with this error.
+/// End the other ranks with this error. The first rank calls this when no further request will
+/// come.
 void end_followers(MPI_Comm comm, const std::string& error);
 
 }  // namespace gabion

@@ -31,8 +31,9 @@ class RankedSolver final : public Solver {
   void reject_step() override;
   void write_output(double time) override;
   std::vector<double> probes() const override;
-  /// With `peak_memory` [bytes] and `cpu_seconds` of the programs and, on several ranks where
-  /// mpi_traffic() is counted, what the steps made them send, `mpi`: `largest_rank`, `all_ranks`.
+  /// Summary of the solver, with `peak_memory` [bytes] and `cpu_seconds` of the programs. On
+  /// several ranks where mpi_traffic() is counted it has `mpi`, what the steps made them send:
+  /// `largest_rank`, `all_ranks`.
   Json summary() const override;
   bool keeps_state() const override { return inner_.keeps_state(); }
   /// The parts of all ranks on the first one (gather_state).

@@ -24,7 +24,7 @@ std::vector<Value> scatter(MPI_Comm comm, const std::vector<Value>& all,
   return own;
 }
 
-/// How the parts lie in a gathered state, on all ranks.
+/// Layout of the parts in a gathered state, checked, on all ranks.
 Json checked_parts(MPI_Comm comm, const State& all) {
   together(comm, [&] {
     if (rank_of(comm) != 0) return;

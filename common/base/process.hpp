@@ -6,8 +6,8 @@
 
 namespace gabion {
 
-/// Which process on which machine. A process id alone may be given to another process later; with
-/// the start time it is unique as long as the machine runs.
+/// Identity of a process on a machine. A process id alone may be given to another process later;
+/// with the start time it is unique as long as the machine runs.
 struct ProcessIdentity {
   /// Host name, boot id and pid namespace: when equal to our own, the pid can be looked up here.
   /// Empty = unknown.

@@ -17,7 +17,7 @@ void require(bool condition, const std::string& message) {
   if (!condition) throw ErrorType(message);
 }
 
-/// As above, but the message is put together only when it is needed.
+/// Like require() with a message, which is put together here only when it is needed.
 template <class ErrorType = Error, class First, class... Others>
 void require(bool condition, fmt::format_string<First, Others...> message, First&& first,
              Others&&... others) {
@@ -26,7 +26,7 @@ void require(bool condition, fmt::format_string<First, Others...> message, First
       fmt::format(message, std::forward<First>(first), std::forward<Others>(others)...));
 }
 
-/// As above, with a function that makes the message, where its parts are costly too.
+/// Like require() with a message, which a function makes here: for messages with costly parts.
 template <class ErrorType = Error, std::invocable Message>
 void require(bool condition, Message message) {
   if (!condition) throw ErrorType(message());

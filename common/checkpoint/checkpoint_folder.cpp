@@ -36,7 +36,7 @@ constexpr const char* manifest_name = "manifest.json";
 constexpr const char* checkpoints_name = "checkpoints";
 constexpr std::string_view step_prefix = "step_";
 
-/// Until this returns, a power cut may undo what was written.
+/// Flush a file to the disk: until this returns, a power cut may undo what was written.
 void flush_to_disk(const fs::path& path) {
   const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
   const bool good = file.is_open() && fsync(file.number()) == 0;

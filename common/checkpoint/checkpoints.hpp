@@ -64,7 +64,7 @@ class Checkpoints final : public RunKeeper {
   Stopwatch since_last_;
 };
 
-/// Where a run continues that loaded this checkpoint.
+/// The step and time at which a run continues that loaded this checkpoint.
 /// @param results  as the user gave it
 RestartPoint restart_point(const std::string& results, const Checkpoint& checkpoint);
 

@@ -23,7 +23,7 @@ hsize_t chunk_rows_of(const DatasetSize& size, std::size_t value_size);
 /// @returns  identifier, to be closed; negative: hdf5_cause() says why
 hid_t new_dataset(hid_t file, const std::string& name, hid_t type, const DatasetSize& size);
 
-/// As above, for one text of so many bytes.
+/// Like new_dataset(), for one text of `length` bytes.
 hid_t new_text(hid_t file, const std::string& name, std::size_t length);
 
 }  // namespace gabion

@@ -5,7 +5,7 @@
 
 namespace gabion {
 
-/// For programs, at their start: what is freed stays with the process. Otherwise the vectors of
+/// Keep freed memory in the process; programs call this at their start. Otherwise the vectors of
 /// each large message come from the system and go back to it, a page fault every 4 KiB.
 inline void keep_freed_memory() {
   mallopt(M_MMAP_THRESHOLD, 32 << 20);  // [bytes], the most that is allowed

@@ -100,8 +100,8 @@ void MpiSession::leave(int exit_code, int head_start) {
   sigprocmask(SIG_BLOCK, &from_launcher, nullptr);
   const timespec patience = {head_start, 0};
   sigtimedwait(&from_launcher, nullptr, &patience);
-  // Without MPI_Finalize, so that the launcher takes it for a failure. Many simultaneous calls of
-  // MPI_Abort make Open MPI 4.1's mpirun crash now and then.
+  // The process ends without MPI_Finalize, so that the launcher takes it for a failure. Many
+  // simultaneous calls of MPI_Abort make Open MPI 4.1's mpirun crash now and then.
   std::_Exit(exit_code);
 }
 

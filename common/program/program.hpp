@@ -37,9 +37,9 @@ struct ProgramOptions {
 ///     }
 ///
 /// Options are read before MPI starts, so --help needs no launch. An Error ends the program with
-/// its exit_code(), any other exception with 4; other programs of the launch are taken down.
-/// Without --output, results go to results/<scene>, or results/<scene>_<program> for a solver that
-/// runs without coupler.
+/// its exit_code(), any other exception with 4; other programs of the launch are taken down. The
+/// default of --output is results/<scene>, for a solver that runs without coupler
+/// results/<scene>_<program>.
 ///
 /// @param program  of programs.hpp
 /// @returns exit code

@@ -10,7 +10,7 @@
 
 namespace gabion {
 
-/// Where the calls of one kind to a solver in another process were.
+/// Number and duration of the calls of one kind to a solver in another process.
 struct CallTimes {
   std::int64_t count = 0;
   double seconds = 0;       ///< time that the caller waited, messages included
@@ -30,8 +30,9 @@ class AsynchronousSolver : public Solver {
 
   /// Whether this solver has start_next().
   virtual bool takes_next_step() const { return false; }
-  /// Between start_accept and finish_accept: as start_solve, of the next step, if the `proposed_dt`
-  /// of the acceptance is among these. After finish_accept call finish_solve, or call_off_solve.
+  /// Like start_solve, for the next step, called between start_accept and finish_accept; it holds
+  /// if the `proposed_dt` of the acceptance is in this range. After finish_accept call
+  /// finish_solve, or call_off_solve.
   virtual void start_next(const StepRequest&, const InterfaceValues&, const DtRange&) {
     throw Error("this solver takes one request at a time");
   }

@@ -12,7 +12,7 @@ namespace gabion {
 /// @throws std::filesystem::filesystem_error
 bool remove_result_files(const std::filesystem::path& folder);
 
-/// As above, for one checkpoint, the folder `checkpoints/step_N`.
+/// Like remove_result_files(), for one checkpoint, the folder `checkpoints/step_N`.
 bool remove_checkpoint_files(const std::filesystem::path& folder);
 
 }  // namespace gabion

@@ -7,9 +7,9 @@
 
 namespace gabion {
 
-/// Where a new run in `folder` moves the earlier results: "<folder>.previous"; "<folder>.failed" if
-/// their run was not completed (summary.json) but the one in "<folder>.previous" was. Where
-/// `folder` is a link, beside the folder that it leads to.
+/// The folder to which a new run in `folder` moves the earlier results: "<folder>.previous";
+/// "<folder>.failed" if their run was not completed (summary.json) but the one in
+/// "<folder>.previous" was. If `folder` is a link, that is beside the folder that it leads to.
 std::string place_of_earlier_results(const std::string& folder);
 
 /// Refuse what prepare_results_folder() would refuse now, and change no results.

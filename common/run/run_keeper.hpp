@@ -14,7 +14,7 @@ struct RunPoint {
   double time = 0;        ///< [s]
 };
 
-/// Where a run starts that continues from a checkpoint.
+/// Start of a run that continues from a checkpoint.
 struct RestartPoint {
   std::string path;  ///< path of the checkpoint, as the user gave it
   RunPoint point;
@@ -33,7 +33,8 @@ class RunKeeper {
   virtual const RestartPoint* start() const = 0;
   /// Whether a checkpoint is due after this many accepted steps. Asking counts as writing.
   virtual bool due(std::int64_t step) = 0;
-  /// As above without asking the other ranks, as this rank sees it.
+  /// Like due(), as this rank sees it: the other ranks are not asked, and nothing counts as
+  /// written.
   virtual bool is_due(std::int64_t step) const = 0;
   /// Write a checkpoint of the accepted state: that of the solvers and `run`, of the loop.
   /// @throws Error  it could not be written; the last one is still there

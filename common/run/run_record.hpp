@@ -55,7 +55,8 @@ class RunRecord {
   std::map<std::string, CsvWriter> tables_;
 };
 
-/// Which accepted steps are written as frames: the first at or after each multiple of `interval`.
+/// Selection of the accepted steps that are written as frames: the first at or after each multiple
+/// of `interval`.
 class OutputClock {
  public:
   /// @param interval  [s] > 0
@@ -64,7 +65,7 @@ class OutputClock {
   /// Whether the state accepted at `time` is to be written; true at time 0. Asking counts as
   /// writing: the next answer concerns the next multiple.
   bool due(double time);
-  /// As above without asking.
+  /// Like due(), but the state does not count as written.
   bool is_due(double time) const { return multiples(time) >= static_cast<double>(next_); }
 
  private:

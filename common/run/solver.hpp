@@ -112,7 +112,8 @@ class Solver {
   /// @note  Solvers on several ranks: the part of this rank.
   virtual State save_state() { throw Error("this solver does not save its state"); }
 
-  /// As above, but written to a file where the solver can do that: State::file is `path` then.
+  /// Like save_state(), but solvers that can write the state to a file do so: State::file is `path`
+  /// then.
   /// @param path  of a file that is not there, in a folder that is
   virtual State save_state_to(const std::string&) { return save_state(); }
 

@@ -39,7 +39,7 @@ class TimeSteps {
   ///                     that is not above it, but never below the smallest one. A solver that
   ///                     cannot do with that fails the step.
   void accept(double proposed_dt = 0);
-  /// Where this stands after accept().
+  /// The time steps as they are after accept().
   TimeSteps after(double proposed_dt) const;
   /// The wishes that lead to the same next step as this one.
   DtRange same_next(double proposed_dt) const;

@@ -47,7 +47,7 @@ class ConfigReader {
   /// Each row of length `width`.
   std::vector<std::vector<double>> rows(const std::string& key, int width);
 
-  // As above, but other settings narrow the range or the set of words.
+  // Like the readers of one key, but other settings narrow the range or the set of words.
   double number(const std::string& key, const Range& range);
   std::string choice(const std::string& key, const std::vector<std::string>& allowed);
 
@@ -61,7 +61,7 @@ class ConfigReader {
 
   // A missing key gives nothing.
   std::optional<double> optional_number(const std::string& key);
-  /// As many numbers as a vector may have, where the dimension is not known yet.
+  /// A vector whose length follows from a dimension that is not known yet.
   std::optional<std::vector<double>> optional_vector(const std::string& key);
   std::optional<ConfigReader> optional_object(const std::string& key);
   /// null gives nothing, a missing key its default.

@@ -99,7 +99,7 @@ class Beam:
         self.height = np.linspace(0, settings.length, self.num_nodes)  # [m] of the nodes above the foot
         area, inertia = settings.thickness, settings.thickness**3 / 12
         shear = settings.young_modulus / (2 * (1 + settings.poisson_ratio))
-        # Of stretching, shearing, bending: N = EA epsilon, Q = k GA gamma, M = EI kappa.
+        # Stiffness of stretching, shearing, bending: N = EA epsilon, Q = k GA gamma, M = EI kappa.
         self.stiffness = np.array([settings.young_modulus * area, settings.shear_correction * shear * area,
                                    settings.young_modulus * inertia])
         first = 3 * np.arange(settings.elements)[:, None] + np.arange(6)

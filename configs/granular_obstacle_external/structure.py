@@ -118,7 +118,7 @@ class Wall(Solver):
 
 
 def read_wall(path: Path) -> Wall:
-    """From structure.json. Raises ValueError that names file, key, found and allowed."""
+    """The settings in structure.json. Raises ValueError that names file, key, found and allowed."""
     try:
         values = json.loads(path.read_text(encoding="utf-8"))
         top_segments = values.pop("top_segments")

@@ -39,7 +39,8 @@ def supports() -> None:
 
 
 def materials() -> None:
-    """1: steel of the posts; 2, 12: net, taut and not as built; 3: brake, slack once it has run; 4: top rope; 5: foot."""
+    """1: steel of the posts; 2, 12: net, taut and not as built; 3: brake, slack once it has run; 4: top rope; 5:
+    foot."""
     ops.uniaxialMaterial("Steel02", 1, 235e6, STEEL, 0.01, 18.0, 0.925, 0.15)
     ops.uniaxialMaterial("Elastic", 12, MESH, 0.0, SLACK * MESH)
     ops.uniaxialMaterial("InitStrainMaterial", 2, 12, TENSION)
@@ -78,7 +79,7 @@ def ropes() -> None:
 
 
 def masses() -> None:
-    """Of the net and its top rope; posts bring their own."""
+    """Write the masses of the net and its top rope; posts bring their own."""
     for i in range(ACROSS + 1):
         for k in range(1, UP + 1):
             part = (0.5 if i in (0, ACROSS) else 1) * (0.5 if k == UP else 1)

@@ -38,17 +38,19 @@ def draw_front(figure, axes, start: Frame, surface: Frame) -> None:
     axes.add_collection(drawn)
     axes.vlines([0.2, 0.6], 0, 0.5, color="white", linestyle="--")
     figure.colorbar(drawn, ax=axes, label="downhill [mm]", shrink=0.7)
-    axes.set(title="the plate, posts dashed", xlabel="y [m]", ylabel="z [m]", xlim=(0, 0.8), ylim=(0, 0.5), aspect="equal")
+    axes.set(title="the plate, posts dashed", xlabel="y [m]", ylabel="z [m]", xlim=(0, 0.8), ylim=(0, 0.5),
+             aspect="equal")
 
 
 def draw_forces(axes, results: Results) -> None:
-    """Of the soil on the plate, and of the posts on their feet."""
+    """Draw the forces of the soil on the plate, and of the posts on their feet."""
     steps = results.table("steps.csv")
     axes.plot(steps["time"], 1e-3 * steps["fx"], color=COLOURS[0], label="soil on the plate")
     feet = Table(results.folder / "structure" / "reactions.csv")
     for k, node in enumerate(np.unique(feet["node"])):
         of_node = feet["node"] == node
-        axes.plot(feet["time"][of_node], -1e-3 * feet["fx"][of_node], color=COLOURS[1 + k], linestyle=("-", "--")[k % 2],
+        axes.plot(feet["time"][of_node], -1e-3 * feet["fx"][of_node], color=COLOURS[1 + k],
+                  linestyle=("-", "--")[k % 2],
                   label=f"post {k + 1} on its foot")
     axes.set(title="forces downhill", xlabel="time [s]", ylabel="[kN]", xlim=(0.32, float(steps["time"][-1])))
     axes.set_ylim(top=1.5e-3 * steps["fx"].max())

@@ -51,7 +51,7 @@ class Acceleration {
   /// Forget earlier steps, and what this step taught so far.
   /// @returns number of columns that were forgotten
   virtual int reset() = 0;
-  /// From now on x and x_tilde come multiplied by these factors: do the same to all that is kept.
+  /// Multiply all that is kept by these factors, as x and x_tilde will be from now on.
   virtual void rescale(const Eigen::VectorXd& ratio) = 0;
   virtual AccelerationCounters counters() const = 0;
   /// Save or load what was learned from accepted steps. @pre no step is open

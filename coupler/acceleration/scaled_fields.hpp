@@ -40,7 +40,7 @@ class ScaledFields : public Acceleration {
  private:
   /// |v|^2 of each field.
   Eigen::Array2d squares(const Eigen::VectorXd& v) const;
-  /// By what x and x_tilde say with the iterations before. @returns 0: nothing yet
+  /// Weight that follows from x and x_tilde and the iterations before. @returns 0: none yet
   double wanted_weight(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde);
   void update_weight(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde);
   /// v with its displacement multiplied by `factor`.

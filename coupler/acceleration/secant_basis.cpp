@@ -17,7 +17,7 @@ constexpr Eigen::Index block_size = 1024;
 constexpr double round_off = 1e-13;
 constexpr double cancelled = 1e-3;
 
-/// Where the rows of a block begin in each vector.
+/// Pointers to the first row of a block in each vector.
 Rows rows_at(const std::vector<Eigen::VectorXd>& q, Eigen::Index at) {
   Rows result;
   result.reserve(q.size());
@@ -25,7 +25,7 @@ Rows rows_at(const std::vector<Eigen::VectorXd>& q, Eigen::Index at) {
   return result;
 }
 
-/// Where the columns of a matrix or of a block of it begin.
+/// Pointers to the columns of a matrix or of a block of it.
 template <class Matrix>
 auto columns_of(Matrix&& A) {
   std::vector<decltype(A.col(0).data())> result;

@@ -6,7 +6,7 @@
 
 namespace gabion {
 
-/// Where equally many rows of several vectors begin.
+/// Pointers to the first of equally many rows of several vectors.
 using Rows = std::vector<const double*>;
 
 /// dots[k] += columns[k] . v

@@ -12,7 +12,7 @@
 
 namespace gabion {
 
-/// How two answers to the same request compare.
+/// Difference of two answers to the same request.
 struct AnswerDifference {
   std::string text;     ///< empty: the bits are equal; else where they differ most
   double relative = 0;  ///< largest difference by the largest value

@@ -32,7 +32,7 @@ class CheckTable {
   /// @param meaning  what it means when they do not
   void expect_change(const std::string& what, const std::function<AnswerDifference()>& trial,
                      const std::string& meaning);
-  /// What only has to end without an error.
+  /// Check that an action ends without an error.
   void expect_done(const std::string& what, const std::function<void()>& action);
 
   const std::vector<CheckRow>& rows() const { return rows_; }

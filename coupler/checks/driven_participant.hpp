@@ -38,7 +38,7 @@ class DrivenParticipant {
   void write_output() { solver_.write_output(time_); }
   Solver& solver() { return solver_; }
 
-  /// Where it stands.
+  /// Number and start time of the next step.
   struct Place {
     std::int64_t step = 1;
     double time = 0;  ///< [s]

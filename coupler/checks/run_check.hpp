@@ -10,7 +10,7 @@
 
 namespace gabion {
 
-/// How large a run will be when every step has the first size.
+/// Size of a run in which every step has the first size.
 struct RunSize {
   std::int64_t steps = 0;
   std::int64_t frames = 0;  ///< written by each solver

@@ -9,7 +9,7 @@
 
 namespace gabion {
 
-/// How the criteria of a run go together.
+/// Combination of the criteria of a run.
 enum class Combine { all, any };
 
 /// Criteria of one field; norms are root mean squares over its components.

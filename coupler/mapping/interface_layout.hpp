@@ -9,7 +9,7 @@
 
 namespace gabion {
 
-/// Where one interface stands in a vector over all interfaces of a side.
+/// Range of one interface in a vector over all interfaces of a side.
 struct InterfacePlace {
   std::string name;
   Eigen::Index begin = 0;

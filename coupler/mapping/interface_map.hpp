@@ -50,7 +50,7 @@ class InterfaceMap {
   int dim() const { return dim_; }
   Eigen::Index size() const { return size_; }            ///< length of x and f
   Eigen::Index soil_size() const { return soil_size_; }  ///< length of u and f_soil
-  /// Where the interfaces of a participant stand in the vectors of its side.
+  /// Ranges of the interfaces of a participant in the vectors of its side.
   InterfaceLayout layout(const std::string& participant) const;
 
   Eigen::VectorXd soil_displacement(const Eigen::VectorXd& x) const;     ///< u

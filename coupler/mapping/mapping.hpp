@@ -24,7 +24,7 @@ struct MappingSettings {
 KeyTable mapping_keys();
 MappingSettings read_mapping_settings(ConfigReader in);
 
-/// How well the two sides fit.
+/// Measures of how well the two surfaces of an interface fit.
 struct MappingReport {
   std::int64_t soil_vertices = 0;  ///< all of them have an image, else the mapping is refused
   std::int64_t structure_vertices = 0;

@@ -8,7 +8,7 @@
 
 namespace gabion {
 
-/// What an attempt has come to.
+/// Outcome of an attempt.
 enum class Outcome {
   iterating,
   converged,    ///< the residuals are within their limits

@@ -40,7 +40,8 @@ class CoupledStep {
   /// last. Call it after accept. @pre  sides.take_next_step()
   /// @param proposed  range of proposed step sizes for which this request stays valid
   void start_next(const StepRequest& request, const DtRange& proposed);
-  /// When the sides have accepted. @param request  the next step as it is
+  /// Keep or call off the early solution of the next step, once the sides have accepted.
+  /// @param request  the next step as it is
   void settle_next(const StepRequest& request);
   /// No request is open then.
   void call_off_next();

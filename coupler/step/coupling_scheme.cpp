@@ -62,7 +62,8 @@ class ParallelImplicit final : public CouplingScheme {
   std::vector<Eigen::Index> fields(Eigen::Index size) const override { return {size, size}; }
 
  private:
-  /// When one side fails the other one is finished all the same.
+  /// Solve both sides at the same time; when one of them fails the other one is finished all the
+  /// same.
   static void solve_at_once(Sides& sides, Attempt& now, bool may_sleep) {
     const Stopwatch watch;
     sides.start_soils(now);

@@ -11,7 +11,8 @@
 
 namespace gabion {
 
-/// How both sides take turns in one iteration, and what is iterated on (docs/theory/coupling.md).
+/// Order of the solvers within an iteration, and the unknowns of the iteration
+/// (docs/theory/coupling.md).
 class CouplingScheme {
  public:
   virtual ~CouplingScheme() = default;
@@ -26,7 +27,8 @@ class CouplingScheme {
   /// Whether the step is repeated until both sides agree.
   virtual bool repeats() const { return true; }
 
-  /// What is iterated on, from the fields that are given to the solvers or that they answered.
+  /// Unknowns of the iteration, from the fields that are given to the solvers or that they
+  /// answered.
   virtual Eigen::VectorXd unknowns(const Eigen::VectorXd& x, const Eigen::VectorXd& f) const = 0;
   /// The next guess: sets what will be given to the solvers.
   virtual void set_guess(const Eigen::VectorXd& unknowns, Attempt& now) const = 0;

@@ -14,8 +14,8 @@ namespace gabion {
 ///     W = f_n+1 . (u_n+1 - u_n)                mean forces of the step
 ///
 /// Newmark's rule with beta = 1/4 turns exactly this into the energy of a linear side; the sum over
-/// both sides vanishes when their displacements agree and the forces are mapped conservatively.
-/// Before the first step u = 0, f = 0.
+/// both sides vanishes when their displacements agree and the forces are mapped conservatively. The
+/// values before the first step are u = 0, f = 0.
 class InterfaceWork {
  public:
   /// @param start_weight  of each f_n: 1/2, or 0 of a mean force

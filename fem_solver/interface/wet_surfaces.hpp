@@ -27,7 +27,8 @@ class WetSurfaces {
   /// Vertices in the order of their node numbers; facets with outward normals.
   const std::vector<InterfaceMesh>& meshes() const { return meshes_; }
 
-  /// Which forces will be received; end of the step where nothing is said.
+  /// Set the kind of the forces that each interface will receive; by default those at the end of
+  /// the step.
   /// @throws Error  unknown interface
   void set_force_kinds(const ForceKinds& kinds);
 

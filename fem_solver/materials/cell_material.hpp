@@ -22,7 +22,7 @@ concept LawWithHistory = requires {
   Law::history_size;
 };
 
-/// How a cell makes stresses of its nodes' displacements.
+/// Formulation by which a cell computes stresses from its nodes' displacements.
 enum class Formulation {
   full,      ///< strain of the displacements, full integration
   enhanced,  ///< with enhanced assumed strains (quad4, hex8): bends, does not lock

@@ -41,7 +41,7 @@ struct VonMises {
   double p_wave_modulus() const { return lambda + 2 * mu; }
   double shear_modulus() const { return mu; }
 
-  /// T : dE_p summed up over the way to a state: of the yield stress over p, and what kinematic
+  /// T : dE_p summed up over the path to a state: of the yield stress over p, and what kinematic
   /// hardening stores [J/m^3].
   double plastic_work(std::span<const double> history) const;
 };

@@ -82,7 +82,7 @@ class LinearStep {
   const PhaseTimes& times() const { return times_; }
 
  private:
-  /// What of the balance the state at the start of a step decides.
+  /// Parts of the balance that follow from the state at the start of a step.
   struct Start {
     double dt = 0;
     Eigen::VectorXd forces;  // [N]

@@ -15,9 +15,9 @@
 
 namespace gabion::fem {
 
-/// How the part of a mesh that this rank has lies in the whole: each cell is one rank's, which
-/// holds the nodes that it touches. Nodal vectors are those of the held nodes, num_nodes x dim of
-/// the part, the same bits on each holder. On one rank the part is the whole.
+/// Place of this rank's part of a mesh in the whole. Each cell is one rank's, which holds the nodes
+/// that it touches. Nodal vectors are those of the held nodes, num_nodes x dim of the part, the
+/// same bits on each holder. On one rank the part is the whole.
 class MeshRanks {
  public:
   /// One rank, which has all.
@@ -61,7 +61,7 @@ class MeshRanks {
     }
     return elements;
   }
-  /// Of the nodes that this rank owns, in their order. @param values  of the held ones
+  /// Values of the nodes that this rank owns, in their order. @param values  of the held ones
   template <class Value>
   std::vector<Value> owned(std::vector<Value> values, int width) const {
     if (alone()) return values;
@@ -95,7 +95,7 @@ class MeshRanks {
     const auto found = group_nodes_.find(group);
     return found == group_nodes_.end() ? part.group_nodes(group, where) : found->second;
   }
-  /// By the part's facets of a group: they ascend as the facets do in the whole. @pre not alone
+  /// Numbers in the whole mesh of the part's facets of a group; they ascend. @pre not alone
   std::span<const std::int64_t> facet_numbers(const std::string& group) const {
     return numbers_.facets.at(group);
   }

@@ -18,7 +18,7 @@ OutputField field(std::string name, int components, std::function<Values()> make
   return {.name = std::move(name), .components = components, .make = std::move(make)};
 }
 
-/// Of the nodes and cells of this rank. The fields refer to their arguments.
+/// Fields of a frame at the nodes and cells of this rank. The fields refer to their arguments.
 template <int dim>
 std::vector<OutputField> frame_fields(const StructureState& state,
                                       const std::function<Values()>& stress,

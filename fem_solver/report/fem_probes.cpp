@@ -71,7 +71,7 @@ std::optional<std::int32_t> node_of_probe(const FemSettings<dim>& settings,
   }
 }
 
-/// Of a facet: its area, in 2D its length. [m^(dim - 1)]
+/// Area of a facet, in 2D its length [m^(dim - 1)].
 template <int dim>
 double facet_area(std::span<const Vector<dim>> corners) {
   if constexpr (dim == 2) {

@@ -52,9 +52,9 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
-  /// At slack lines, whose force has a kink at the stress-free length.
+  /// Regularises K at slack lines, whose force has a kink at the stress-free length.
   bool brace(double share) override;
-  /// At lines without force, which hold their nodes in no direction across.
+  /// Adds stiffness at lines without force, which hold their nodes in no direction across.
   bool support(bool on) override;
   double increment_scale() const override { return smallest_cell_size_; }
   const SharedNodes& shared() const override { return ranks_.shared(); }

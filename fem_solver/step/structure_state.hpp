@@ -34,7 +34,7 @@ struct ExternalForces {
 /// it is part of a state.
 using CellHistory = std::shared_ptr<const std::vector<double>>;
 
-/// Where a tangent matrix was assembled.
+/// State for which a tangent matrix was assembled.
 struct TangentPoint {
   std::vector<double> u;      ///< displacement [m]
   double dt = 0;              ///< [s]
@@ -67,8 +67,8 @@ struct StructureState {
   double damping_work = 0;    ///< that damping took since time 0 [J]
   CellHistory history;
   double external_work = 0;  ///< of loads, interface forces and reactions since time 0 [J]
-  /// Where the tangent matrix in use was assembled: part of the state, because modified Newton
-  /// gives other last bits with another matrix.
+  /// State for which the tangent matrix in use was assembled; it is part of the accepted state,
+  /// because modified Newton gives other last bits with another matrix.
   std::optional<TangentPoint> tangent;
   std::optional<SolutionMethod> rescue;  ///< LinearSolver::rescue() of that matrix
   KrylovPause pause;                     ///< LinearSolver::pause() after the last step

@@ -241,8 +241,8 @@ NewtonReport StructureStep<dim>::solve_balance(const StructureState& state_n,
   }
 }
 
-/// After an impact single nodes are so fast that their motion does not go on for a step: where the
-/// guess leads nowhere, from the displacement at the start of the step.
+/// Solve from the guess; where that fails, from the displacement at the start of the step. After an
+/// impact single nodes may be so fast that they cannot go on at their speed for a step.
 template <int dim>
 NewtonReport StructureStep<dim>::solve_from_guess(const StructureState& state_n,
                                                   std::span<const double> f_ext, double dt,

@@ -38,9 +38,9 @@ class StructureStep {
   StepReport solve(const StructureState& state_n, const ExternalForces& f_interface, double dt,
                    StructureState& trial);
 
-  /// Before `trial` becomes the accepted state: velocity, acceleration and reactions where the mean
-  /// forces are others than in the step before (docs/theory/structure.md, (T9)), and the work of
-  /// supports that moved.
+  /// Complete `trial` before it becomes the accepted state: velocity, acceleration and reactions
+  /// where the mean forces differ from those of the step before (docs/theory/structure.md, (T9)),
+  /// and the work of supports that moved.
   /// @note Collective.
   void complete(const StructureState& state_n, double dt, StructureState& trial);
 

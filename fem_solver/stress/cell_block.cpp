@@ -20,7 +20,7 @@ namespace gabion::fem {
 
 namespace {
 
-/// Of the rotation R in F = R U [rad]; 0 below some 0.1 rad in space, where nobody asks for it.
+/// Angle of the rotation R in F = R U [rad]; in 3D 0 below some 0.1 rad, where it is not needed.
 template <int dim>
 double angle_of(const Matrix<dim>& F) {
   if constexpr (dim == 3) {

@@ -61,7 +61,7 @@ class CellIntegrals {
   double brake_work(std::span<const double> history) const;    ///< of brakes of lines [J]
   /// Force along each line, tension positive, num_lines [N].
   std::vector<double> line_forces(std::span<const double> u, std::span<const double> history) const;
-  /// What the brake of each line has run, num_lines [m]; 0 of lines without.
+  /// Length that the brake of each line has run, num_lines [m]; 0 for lines without a brake.
   std::vector<double> line_runs(std::span<const double> history) const;
 
   /// Largest angle by which a cell of a law of small strain has turned, from the polar
@@ -81,8 +81,8 @@ class CellIntegrals {
   std::span<const double> of_block(std::span<const double> history, std::size_t block) const;
   std::span<const double> of_line_block(std::span<const double> history, std::size_t block) const;
 
-  /// Between a history and rows by cell of the mesh, then by line, x history_width(), zero behind
-  /// what one has.
+  /// Convert between a history and rows: a row a cell of the mesh, then a row a line, of
+  /// history_width() numbers each, zero beyond those that a cell or line has.
   std::vector<double> history_rows(std::span<const double> history) const;
   std::vector<double> history_of_rows(std::span<const double> rows) const;
 

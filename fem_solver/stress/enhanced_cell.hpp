@@ -75,7 +75,7 @@ class EnhancedCell {
     return "enhanced strain without balance";
   }
 
-  // After balance():
+  // The members below hold after balance():
   double energy() const {
     double sum = 0;
     for (int q = 0; q < num_points; ++q) sum += geometry_.weights[q] * stress_[q].energy;

@@ -6,7 +6,7 @@
 
 namespace gabion::fem {
 
-/// What the integration of the stresses found.
+/// Result of the integration of the stresses.
 struct StressIntegral {
   std::int32_t inadmissible_cell = -1;  ///< cell of the mesh with a fault, -1 = none
   const char* fault = "";               ///< of that cell, such as "det F <= 0"

@@ -13,7 +13,7 @@ namespace gabion::fem {
 
 namespace {
 
-/// Which components of a part supports, prescribed displacements or springs hold.
+/// Components of the motion of a part that supports, prescribed displacements or springs hold.
 template <int dim>
 std::array<bool, dim> held_components(const FemSettings<dim>& settings,
                                       const ConnectedPart<dim>& part) {

@@ -17,7 +17,7 @@ namespace {
 
 // The least radius is in cells: points of the soil do not see what is smaller.
 constexpr double least_radius = 1.5, rounding = 1e-9;
-// The default stiffness stops a ball of this speed within this share of its radius.
+// The default stiffness stops a sphere of this speed within this share of its radius.
 constexpr double usual_speed = 10, usual_depth = 0.01;
 // Facets of rigid walls without a coefficient have this one too.
 constexpr double sticking = 100;

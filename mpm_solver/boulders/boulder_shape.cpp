@@ -252,7 +252,7 @@ Moments<dim> moments_of(const ContactSurface<dim>& surface,
   return moments;
 }
 
-// From int X X^T of a body.
+// Tensor of inertia from int X X^T of a body.
 Matrix<3> inertia_of(const Matrix<3>& second) {
   return second.trace() * Matrix<3>::Identity() - second;
 }

@@ -11,7 +11,7 @@ template <int dim>
 struct BoulderShape {
   BodyMass mass;
   ContactSurface<dim> surface;  ///< about the centre of mass, in axes of the body
-  double radius = 0;            ///< of the ball around the centre of mass that holds it [m]
+  double radius = 0;            ///< of the sphere around the centre of mass that holds it [m]
   double ball = 0;              ///< of a sphere or disc: its radius; others: 0 [m]
   double thickness = 0;         ///< smallest extent along an axis of the body [m]
 };

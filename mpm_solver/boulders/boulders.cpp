@@ -163,7 +163,7 @@ std::vector<BodyLoad> Boulders<dim>::soil_loads(std::span<const double> forces) 
   return loads;
 }
 
-// In what they do to places at the end of the step [m].
+// Difference of two sets of loads, as the displacement that it makes at the end of the step [m].
 template <int dim>
 std::vector<double> Boulders<dim>::difference(const std::vector<BodyLoad>& loads) const {
   std::vector<double> result;

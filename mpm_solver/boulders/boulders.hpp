@@ -61,7 +61,7 @@ class Boulders {
   /// @returns whether the boulders are where they were placed
   /// @throws ConvergenceError  soil and boulders do not come together
   bool follow(std::span<const double> forces);
-  /// @throws ConvergenceError  the centre of a boulder goes out of the box around the grid
+  /// @throws ConvergenceError  the centre of a boulder leaves the box around the grid
   void refuse_exits() const;
   void accept();
 

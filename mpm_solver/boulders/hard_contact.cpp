@@ -16,7 +16,8 @@ namespace gabion::mpm {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// The look ahead is this many times the way that the bodies' motion at the start leads to.
+// The search looks ahead by this many times the displacement that the bodies' motion at the start
+// gives.
 constexpr double ahead = 1.5;
 constexpr double least_ahead = 0.05;  // of the smallest radius
 // Scenes about the origin keep it; a power of two [m].
@@ -215,7 +216,7 @@ HardContact::End HardContact::solve_here(const Start& start, const Step& step) c
   throw ConvergenceError("boulders move too far in one step to know what they touch", "boulders");
 }
 
-// The nearest place of each surface says on which side a ball is.
+// The nearest place of each surface tells on which side a sphere is.
 HardContact::Overlap HardContact::deepest_overlap(const std::vector<BodyState>& states,
                                                   const std::vector<Obstacle>& obstacles) const {
   const Step step{.dt = 1, .held = std::vector<char>(bodies_.size(), 1), .obstacles = obstacles};

@@ -25,12 +25,13 @@ struct HardLaw {
 /// Vertices of a facet, in 2D the third is -1; its normal points out of what has it.
 using HardFacet = std::array<std::int32_t, 3>;
 
-/// A rigid body that touches with a ball about its centre, or with the vertices of its surface.
+/// A rigid body whose contact points are those of a sphere about its centre, or the vertices of its
+/// surface.
 struct HardBody {
   std::string name;
   BodyMass mass;
-  double ball = 0;                       ///< radius, 0: not a ball [m]
-  double radius = 0;                     ///< of a ball about the centre that holds it [m]
+  double ball = 0;                       ///< radius, 0: not a sphere [m]
+  double radius = 0;                     ///< of a sphere about the centre that holds it [m]
   std::vector<Vector<3>> vertices = {};  ///< in axes of the body [m]
   std::vector<HardFacet> facets = {};
   HardLaw law = {};
@@ -43,19 +44,20 @@ struct Obstacle {
   std::vector<HardFacet> facets = {};
 };
 
-/// Memory of places that touch.
+/// Memory of contact points.
 struct HardMemory {
   double gap = 0;     ///< at the end of the last substep; what it stores is not lost or made [m]
-  double offset = 0;  ///< <= 0, of that gap: how deep a ball was when it was first seen there [m]
+  double offset = 0;  ///< <= 0, of that gap: how deep a sphere was when it was first seen there [m]
   Vector<3> normal = Vector<3>::Zero();
   Vector<3> slip = Vector<3>::Zero();  ///< of the tangential spring [m]
   Vector<3> turn = Vector<3>::Zero();  ///< of the rolling spring [rad]
 };
 using HardMemories = std::map<std::array<std::int32_t, 3>, std::vector<HardMemory>>;
 
-/// A step of rigid bodies that touch each other and obstacles (docs/theory/boulders.md): as many
-/// substeps of advance() as the contacts ask for. Between two bodies act equal and opposite forces
-/// at one place. No substep gains energy, with stored_energy() and the work on the obstacles.
+/// A step of rigid bodies in contact with each other and obstacles (docs/theory/boulders.md): as
+/// many substeps of advance() as the contacts ask for. Between two bodies act equal and opposite
+/// forces at one place. No substep gains energy, with stored_energy() and the work on the
+/// obstacles.
 class HardContact {
  public:
   /// @param dim      2: facets are segments in the plane of the first two coordinates
@@ -66,7 +68,7 @@ class HardContact {
     std::vector<BodyState> states = {};
     HardMemories memories = {};
   };
-  /// In a step from the start to the end of the obstacles.
+  /// Data of a step, during which the obstacles move from their start to their end.
   struct Step {
     double dt = 0;                     ///< [s]
     double gravity_share = 1;          ///< mean over the step, of the gravity
@@ -87,7 +89,7 @@ class HardContact {
   ///                           or ask for more than 1e5 substeps
   End solve(const Start& start, const Step& step) const;
 
-  /// Whether a body may touch each obstacle in the step.
+  /// Whether a body may come into contact with each obstacle in the step.
   std::vector<char> within_reach(const Start& start, const Step& step) const;
 
   /// The deepest place where a body is inside another one or an obstacle at the start.
@@ -99,7 +101,7 @@ class HardContact {
   Overlap deepest_overlap(const std::vector<BodyState>& states,
                           const std::vector<Obstacle>& obstacles) const;
 
-  /// The springs of the places that touch store this energy [J].
+  /// Energy that the springs of the contact points store [J].
   double stored_energy(const HardMemories& memories) const;
 
   const std::vector<HardBody>& bodies() const { return bodies_; }

@@ -1,5 +1,4 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// The forces of the places that touch.
+// SPDX-License-Identifier: BSD-3-Clause The forces of the contact points.
 #include <algorithm>
 #include <cmath>
 #include <limits>

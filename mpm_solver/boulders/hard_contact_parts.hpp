@@ -16,22 +16,22 @@ namespace gabion::mpm {
 inline constexpr double same_normal = 0.9;
 
 struct HardContact::Pair {
-  std::int32_t a = 0, ball = 0;   // what has the ball: a body, or an obstacle with its vertex
-  std::int32_t b = 0, facet = 0;  // what has the facet, -1: it is a ball about the centre
+  std::int32_t a = 0, ball = 0;   // what has the sphere: a body, or an obstacle with its vertex
+  std::int32_t b = 0, facet = 0;  // what has the facet, -1: it is a sphere about the centre
 };
 
-// A ball and a surface; they are no nearer than `apart` at the start of a substep.
+// A sphere and a surface; they are no nearer than `apart` at the start of a substep.
 struct HardContact::Watched {
   std::span<const Pair> pairs;
   double apart = 0;
 };
 
-// A place that touches, on the way from the start to the end of a substep.
+// A contact point, on its path from the start to the end of a substep.
 struct HardContact::Place {
   Pair pair;
   HardFoot foot;
   double g0 = 0, g1 = 0, offset = 0;
-  double distance = 0;                      // of the middles of the ball and of the surface there
+  double distance = 0;                      // of the middles of the sphere and of the surface there
   Vector<3> direction = Vector<3>::Zero();  // from b to a, of length 1
   Vector<3> normal = Vector<3>::Zero();     // near to it; n . (relative way) is g1 - g0
   Vector<3> x = Vector<3>::Zero();          // in the middle of the substep
@@ -42,7 +42,7 @@ struct HardContact::Place {
 
 struct HardContact::Sums {
   std::vector<BodyLoad> loads;
-  /// On vertices of obstacles that are touched, by obstacle and vertex.
+  /// Forces on vertices of obstacles in contact, by obstacle and vertex [N].
   std::map<std::array<std::int32_t, 2>, Vector<3>> nodal_forces = {};
   HardMemories memories = {};
 
@@ -51,7 +51,7 @@ struct HardContact::Sums {
     return nodal_forces.try_emplace({o, vertex}, Vector<3>::Zero()).first->second;
   }
 
-  // By a share of the difference.
+  // Move these sums towards others by a share of the difference.
   void approach(const Sums& other, double share) {
     for (std::size_t c = 0; c < loads.size(); ++c) {
       loads[c].force += share * (other.loads[c].force - loads[c].force);
@@ -78,7 +78,7 @@ struct HardContact::Under {
   bool is_body(std::int32_t c) const { return c < static_cast<std::int32_t>(bodies.size()); }
   bool is_free(std::int32_t c) const { return is_body(c) && step.held[c] == 0; }
   const Obstacle& obstacle(std::int32_t c) const { return step.obstacles[c - bodies.size()]; }
-  // One ball and one surface have all their pairs next to each other.
+  // One sphere and one surface have all their pairs next to each other.
   template <class Visit>
   static void for_groups(const std::vector<Pair>& pairs, const Visit& visit) {
     for (std::size_t k = 0, end = 0; k < pairs.size(); k = end) {

@@ -1,5 +1,4 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// The places that touch.
+// SPDX-License-Identifier: BSD-3-Clause The search for contact points.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,7 +10,7 @@ namespace gabion::mpm {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// A ball that is deeper than this share of its radius is on the other side of a surface.
+// A sphere that is deeper than this share of its radius is on the other side of a surface.
 constexpr double deepest = 0.25;
 // What comes to a surface from its front is behind it by rounding, a share of the radius.
 constexpr double entry = 1e-6;
@@ -163,7 +162,7 @@ void HardContact::recall(const Under& under, const std::vector<HardMemory>& know
   }
 }
 
-// Those that touch and those that do not.
+// Pairs in contact, and pairs that are not.
 std::vector<HardContact::Place> HardContact::near_places(std::span<const Pair> group,
                                                          const Under& under,
                                                          const HardMemories& memories) const {

@@ -14,10 +14,11 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // A substep is this share of the inverse of a contact's frequency: t_c / 30.
 constexpr double substep_share = 0.1;
-// What is farther than this many times the way in the last substep is not looked at again until it
-// may be nearer.
+// A pair that is farther apart than this many times the displacement in the last substep is not
+// looked at again until it may be nearer.
 constexpr double far = 20;
-// What may be near is within this many times the way by the speeds at the start of a substep.
+// Pairs that may be near are within this many times the displacement by the speeds at the start of
+// a substep.
 constexpr double near = 1.5;
 constexpr int most_iterations = 60, most_stalls = 3;
 // Changes of places, over a radius and the distance from the origin of solve(), that end a
@@ -27,7 +28,7 @@ constexpr double same_place = 1e-17;
 
 }  // namespace
 
-// Largest way of a point of each body and obstacle in the substep.
+// Largest displacement of a point of each body and obstacle in the substep.
 std::vector<double> HardContact::ways(const Under& under) const {
   std::vector<double> result;
   for (std::size_t c = 0; c < bodies_.size() + under.step.obstacles.size(); ++c) {
@@ -66,7 +67,7 @@ double HardContact::substep(const Under& under, std::vector<Watched>& watched,
   }
   const double closing = 2 * body + obstacle + gravity_.norm() * remaining;
   double nearest = infinity, fastest = 0;
-  std::vector<double> rates(bodies_.size(), 0.0);  // of the touching places
+  std::vector<double> rates(bodies_.size(), 0.0);  // of the contact points
   const auto look_at = [&](const Place& place) {
     nearest = std::min(nearest, place.g0);
     for (const std::int32_t c : {place.pair.a, place.pair.b}) {
@@ -153,7 +154,8 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
   return false;
 }
 
-// A substep with the pairs that may touch in it; with all of them if the bodies go farther.
+// A substep with the pairs that may come into contact in it; with all of them if the bodies go
+// farther.
 bool HardContact::solve_near(double h, const HardMemories& memories,
                              const std::vector<Watched>& watched, Under& under, Sums& sums) const {
   double most = infinity;

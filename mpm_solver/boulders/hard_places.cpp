@@ -210,7 +210,7 @@ std::vector<char> sticking_out(std::span<const std::array<std::int32_t, 3>> face
   struct Side {
     Vector<3> normal, opposite;
   };
-  // By the vertices that two facets share, in 2D one.
+  // The facets are listed by the vertices that two of them share, in 2D one.
   std::map<std::array<std::int32_t, 2>, std::vector<Side>> borders;
   for (const auto& facet : facets) {
     HardCorners corners{.count = count};

@@ -48,8 +48,8 @@ struct HardNearest {
 
 HardNearest nearest_of(std::span<const HardCorners> facets, const Vector<3>& y);
 
-/// Distances at the start and at the end of a way, and the direction with
-/// normal . (relative way) = g1 - g0.
+/// Distances at the start and at the end of a displacement, and the direction with normal .
+/// (relative way) = g1 - g0.
 struct HardGap {
   double g0 = 0, g1 = 0;
   Vector<3> normal = Vector<3>::Zero();
@@ -64,9 +64,10 @@ Vector<3> mean_normal(const HardNearest& nearest, const HardCorners& start, cons
 /// @param scale  of the coordinates: what is less than their rounding is left [m]
 Vector<3> along_way(const Vector<3>& normal, const Vector<3>& way, double change, double scale);
 
-/// From differences of two points.
+/// Gap from the differences of two points.
 HardGap gap_of_points(const Vector<3>& d0, const Vector<3>& d1);
-/// From a face, signed; from its edges and corners only where the point is in front of the face.
+/// Signed gap from a face; gap from its edges and corners only where the point is in front of the
+/// face.
 /// @param y  at the start and at the end
 /// @returns false: the point is behind an edge or corner
 bool gap_of_facet(const HardFoot& foot, const HardCorners& start, const HardCorners& end,
@@ -89,7 +90,7 @@ class LeastDistances {
 std::vector<char> sticking_out(std::span<const std::array<std::int32_t, 3>> facets, int count,
                                std::span<const Vector<3>> vertices, std::vector<char> asked);
 
-/// Vertices of the facets and edges that a ball touches already.
+/// Vertices of the facets and edges that are in contact with a sphere already.
 class FootVertices {
  public:
   void add(const std::array<std::int32_t, 3>& facet, const HardFoot& foot);

@@ -18,7 +18,8 @@ struct CutCells {
   std::int64_t in_cut = 0;    ///< of these, in cells with room on both sides of the surface
 };
 
-/// Of this rank's points. Facets along the lines of the grid cut no cell.
+/// Cells that surfaces cut, counted over this rank's points. Facets along the lines of the grid cut
+/// no cell.
 template <int dim>
 std::vector<CutCells> cut_cells_at(const std::vector<StartSurface<dim>>& surfaces,
                                    const BackgroundGrid<dim>& grid,

@@ -36,21 +36,21 @@ struct SoilSurface {
   double step_force_weight = 1;      ///< of NewmarkBossak; quasi-static: 1
   std::span<const char> elastic{};   ///< 1 for bodies that never yield
   std::span<const double> moduli{};  ///< of P waves, of the bodies [Pa]
-  /// Soil takes its weight in the step: it is quasi-static, or gravity grows. New touches are then
+  /// Soil takes its weight in the step: it is quasi-static, or gravity grows. New contacts are then
   /// as stiff as the pressures of that weight ask for.
   bool takes_weight = false;
   std::span<const double> weights_of{};  ///< pressure under each body by its own weight [Pa]
   MPI_Comm comm = MPI_COMM_SELF;         ///< of the ranks that share the soil
 };
 
-/// How a contact stands after the last add_forces.
+/// Counts of the contact points after the last add_forces.
 struct ContactCounts {
   int closed = 0;          ///< places that carry force, or carried it in a substep
   int sliding = 0;         ///< of them, those at the friction limit
   double penetration = 0;  ///< largest [m]
 };
 
-/// Where the energy went that soil and surface put into their contact [J].
+/// Energy that soil and surface put into their contact, by where it went [J].
 struct ContactEnergy {
   double stored = 0;    ///< in the penalty springs, can come back
   double friction = 0;  ///< dissipated by sliding, since the start
@@ -117,7 +117,8 @@ class Contact {
   /// that of the contact [N].
   virtual void add_lasting_forces(std::span<double>) const {}
   virtual void begin_substeps() {}
-  /// Where the surfaces are at this share of the step, on its way to set_displacement's place.
+  /// Move the surfaces to their places at this share of the step, on the line to that of
+  /// set_displacement.
   virtual void set_share(double) {}
   /// The forces of the last add_forces acted over this share of the step.
   /// @param move  of the soil in that time [m], num_nodes x dim
@@ -168,9 +169,9 @@ class Contact {
     static_cast<void>(ids);
     return Vector<dim>::Zero();
   }
-  /// How far a material point of this rank may move in the step, beyond twice the way that
-  /// fastest_about would take it, before begin_step has not looked far enough ahead [m]; infinite:
-  /// the method does not look ahead.
+  /// Search margin: how far beyond twice its displacement by the velocity of fastest_about a
+  /// material point of this rank may move before the candidates of begin_step may be incomplete
+  /// [m]; infinite: the method does not look ahead.
   virtual double allowed_way(std::size_t member = 0) const {
     static_cast<void>(member);
     return std::numeric_limits<double>::infinity();
@@ -186,8 +187,8 @@ class Contact {
   /// cannot. Collective over the soil's ranks.
   /// @pre begin_step and set_displacement for the start of the run
   virtual void begin_at_rest(const SoilAtRest<dim>& rest) { static_cast<void>(rest); }
-  /// Where the vertices of a member are in the accepted state [m]; empty: it acts no more, or the
-  /// method has no facets.
+  /// Positions of the vertices of a member in the accepted state [m]; empty: it acts no more, or
+  /// the method has no facets.
   virtual std::span<const Vector<dim>> accepted_vertices(std::size_t) const { return {}; }
   /// Make the end of the step the accepted state.
   virtual void accept() = 0;

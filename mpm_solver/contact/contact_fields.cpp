@@ -104,8 +104,9 @@ void shares_of(const PlacedSurface<3>& surface, const ContactMark<3>& mark,
   }
 }
 
-// Between a triangle or segment and the soil of a point that it faces: a sphere of radius R, and
-// soil aside of it up to half_width, which touches at most: it ends where the surface falls away.
+// Gap between a triangle or segment and the soil of a point that it faces [m]. That soil is a
+// sphere of radius R, and soil beside it up to half_width; this is never more than in contact,
+// since it ends where the surface falls away.
 template <int dim>
 double gap_to_soil(const std::array<Vector<dim>, dim>& corners, const Vector<dim>& x, double height,
                    double R, double half_width) {

@@ -14,7 +14,7 @@
 
 namespace gabion::mpm {
 
-/// A place where soil and surface touched at the end of the last accepted step.
+/// A place where soil and surface were in contact at the end of the last accepted step.
 template <int dim>
 struct ContactMark {
   std::int32_t facet = 0;
@@ -32,13 +32,14 @@ template <int dim>
 void visit_marks(StateVisitor& visitor, const std::string& prefix, std::size_t num_facets,
                  std::vector<ContactMark<dim>>& marks);
 
-/// How soil and surface meet in the accepted state, an entry a facet but for `vertices`.
+/// Fields of the contact of soil and surface in the accepted state, an entry a facet but for
+/// `vertices`.
 template <int dim>
 struct ContactFields {
   std::vector<Vector<dim>> vertices;  ///< where they are [m]
   std::vector<Vector<dim>> force;     ///< of the soil on the facet [N]
-  std::vector<Vector<dim>> slip;      ///< velocity along the surface times the area touched
-  std::vector<double> area;           ///< touched [m^2] (2D: m)
+  std::vector<Vector<dim>> slip;      ///< velocity along the surface times the area in contact
+  std::vector<double> area;           ///< area in contact [m^2] (2D: m)
   std::vector<double> gap;     ///< smallest, < 0: penetration [m]; infinite where none is known
   std::vector<double> status;  ///< 0 open, 1 sticks, 2 slides at one place at least
 
@@ -49,7 +50,7 @@ struct ContactFields {
 
 /// Add each mark to the facets that the soil around it lies on: a strip (2D) or square (3D) of the
 /// mark's area in the plane across its normal, as far as it is over facets that look the same way.
-/// So the pressure of evenly laid points is even, however facets and points divide the surface.
+/// The pressure of evenly laid points is then even, however facets and points divide the surface.
 template <int dim>
 void spread_marks(const ContactSurface<dim>& surface, std::span<const ContactMark<dim>> marks,
                   ContactFields<dim>& fields);
@@ -60,7 +61,7 @@ struct ContactSphere {
   Matrix<dim> shape = Matrix<dim>::Identity();  ///< |shape^T n| is the radius in direction n [m]
   Vector<dim> offset = Vector<dim>::Zero();     ///< of its centre from the point [m]
 
-  /// How far it reaches from the point against n [m].
+  /// Extent from the point against n [m].
   double reach(const Vector<dim>& n) const { return (shape * n).norm() - offset.dot(n); }
 };
 template <int dim>

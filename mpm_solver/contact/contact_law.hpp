@@ -13,7 +13,7 @@ enum class ContactMode {
   slip,     ///< only while the gap is closed; normal direction only
 };
 
-/// What a gap gives.
+/// Traction of a gap.
 template <int dim>
 struct ContactTraction {
   Vector<dim> t = Vector<dim>::Zero();  ///< on the soil, normal first [Pa]
@@ -22,7 +22,7 @@ struct ContactTraction {
   double elastic = 1;  ///< d |t_t| / d |trial t_t|: 1 as long as it sticks, 0 of Coulomb's sliding
 };
 
-/// How the normal traction grows with the depth d = -g_n.
+/// Normal traction as a function of the penetration d = -g_n.
 enum class NormalLaw {
   linear,     ///< penalty d
   quadratic,  ///< penalty d^2: begins without a kink, and is as stiff as the pressure asks for
@@ -50,7 +50,7 @@ struct ContactLaw {
 
   /// Whether sliding makes the stiffness unsymmetric.
   bool has_friction() const { return mode == ContactMode::contact && friction > 0; }
-  /// What the normal part stores in an area at a depth [J/m^2].
+  /// Energy that the normal part stores per area at a penetration [J/m^2].
   double stored(double depth) const;
   /// The quadratic law is penalty d g(d): g = d up to d_1 = linear_from, 2 d_1 - d_1^2 / d beyond
   /// [m].
@@ -68,7 +68,7 @@ struct ContactLaw {
   ContactTraction<dim> traction(const Vector<dim>& gap, Matrix<dim>* slope) const;
 
  private:
-  /// Where the trial traction exceeds friction.
+  /// Sliding, where the trial traction exceeds friction.
   struct Slide {
     double slip = 0;     // [m]
     double elastic = 0;  // d |t_t| / d excess

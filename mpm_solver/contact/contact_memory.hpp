@@ -16,7 +16,7 @@
 
 namespace gabion::mpm {
 
-/// What is remembered of a contact point of the accepted state.
+/// Memory of a contact point of the accepted state.
 template <int dim>
 struct RememberedContact {
   std::int32_t owner = 0;                    ///< member of the contact that has the facet
@@ -55,7 +55,7 @@ const RememberedContact<dim>* going_on(const RememberedContacts<dim>* contacts,
   return best;
 }
 
-/// What contact by facets remembers of the material points of a rank, by their ids: their contact
+/// Memory of contact by facets of the material points of a rank, by their ids: their contact
 /// points, how far their contact spheres are off from them, and the shapes of those spheres that
 /// deform.
 template <int dim>

@@ -35,13 +35,13 @@ struct BoundaryPointSettings {
   int points_per_facet = 2;
 };
 
-/// Of the method `facets`, over the P-wave modulus M of the body that touches, h the mean cell
+/// Settings of the method `facets`; M is the P-wave modulus of the body in contact, h the mean cell
 /// size.
 struct FacetSettings {
   double penalty_factor = 10;  ///< traction at a depth d: penalty_factor M (d / h)^2
-  /// Of touches that begin while soil takes its weight: the stiffness from the pressure p_0 under
-  /// the body on is resting_factor M / h, the traction up to p_0 is that factor squared times
-  /// M^2 / (4 p_0) (d / h)^2; 0: as that of others.
+  /// Factor of contacts that begin while soil takes its weight: beyond the pressure p_0 under the
+  /// body the stiffness is resting_factor M / h, up to p_0 the traction is that factor squared
+  /// times M^2 / (4 p_0) (d / h)^2; 0: these contacts are like others.
   double resting_factor = 0;
   double tangential_factor = 0.25;  ///< stiffness: tangential_factor M / h
 };

@@ -178,8 +178,8 @@ void FacetContact<dim>::share_in_corners(const Candidate& c, std::size_t first) 
 
 // Depths of the contact points of one material point. Where several push, the traction of all is
 // penalty g(|u|) u, of which each has its part: penalty g lambda_k, u = sum_k lambda_k n_k the
-// shortest way out. The tangential stiffness of all is that of one, too: parts lambda_k delta_k /
-// |u|^2 add up to 1.
+// shortest displacement out. The tangential stiffness of all is that of one, too: parts lambda_k
+// delta_k / |u|^2 add up to 1.
 template <int dim>
 void FacetContact<dim>::share_depths(const Candidate& c, std::size_t first) {
   if (contacts_.size() == first) return;

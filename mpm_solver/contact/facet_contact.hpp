@@ -94,7 +94,7 @@ class FacetContact final : public Contact<dim> {
  private:
   using Candidate = ContactCandidate<dim>;
   using Remembered = RememberedContact<dim>;
-  /// What an explicit step adds to the force that lasts, of its own force over that.
+  /// Share of an explicit step's own force, beyond the force that lasts, that is added to it.
   static constexpr double lasting_share = 0.2;
   /// Soil that was laid at a side nearer to the surface than this share of a cell rests on it,
   static constexpr double touching_share = 0.01;

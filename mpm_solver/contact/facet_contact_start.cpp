@@ -11,7 +11,8 @@ namespace gabion::mpm {
 
 namespace {
 
-// A sphere is set off from faces at any angle in so many; one is enough at right angles.
+// Number of projections that set a sphere off from faces at any angle; one is enough at right
+// angles.
 constexpr int projections = 20;
 
 // Contact spheres that are off by less, by the cell size, touch.

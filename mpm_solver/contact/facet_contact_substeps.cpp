@@ -18,8 +18,8 @@ void FacetContact<dim>::add_lasting_forces(std::span<double> f) const {
   }
 }
 
-// At the end of the step, of a contact that began with a depth; of others nothing lasts. An
-// implicit step, and the start of the run, is at its own force.
+// Force that lasts at the end of the step, of a contact that began with an initial penetration;
+// other contacts have none. An implicit step, and the start of the run, has its own force.
 template <int dim>
 Vector<dim> FacetContact<dim>::lasting_force(const ContactPoint& contact) const {
   Vector<dim> before = Vector<dim>::Zero();

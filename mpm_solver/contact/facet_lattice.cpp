@@ -118,7 +118,7 @@ void FacetLattice<dim>::gather(const Box& box, std::vector<std::int32_t>& found)
   });
 }
 
-// How far the simplices of found_ go along a normal.
+// Extent of the simplices of found_ along a normal.
 template <int dim>
 double FacetLattice<dim>::height_along(const LatticeSurface<dim>& surface,
                                        const Vector<dim>& normal) const {

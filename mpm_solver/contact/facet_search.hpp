@@ -9,8 +9,8 @@
 
 namespace gabion::mpm {
 
-/// Which simplices of the members of a contact are near a place when a step begins. Bounds and
-/// lists of members at rest are kept from step to step.
+/// Search for the simplices of the members of a contact that are near a place when a step begins.
+/// Bounds and lists of members at rest are kept from step to step.
 template <int dim>
 class FacetSearch {
  public:
@@ -18,7 +18,7 @@ class FacetSearch {
   void add_member(std::size_t num_simplices);
 
   /// @param simplices, vertices  of the contact; they outlive the step, vertices do not move in it
-  /// @param ball  diameter of the largest point [m]
+  /// @param ball  diameter of the largest contact sphere [m]
   void begin_step(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
                   double ball);
   /// The accepted place of a member is another one, a vertex moved by as much as this [m].
@@ -30,7 +30,7 @@ class FacetSearch {
 
   /// All bounds, at the start of the step; of members that act they are known.
   std::span<const SimplexBounds<dim>> bounds() const { return bounds_; }
-  /// Diameter of the largest bounding ball of a simplex [m].
+  /// Diameter of the largest bounding sphere of a simplex [m].
   double size() const { return size_; }
 
   /// See FacetLattice::near; of one member.

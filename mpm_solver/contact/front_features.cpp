@@ -34,7 +34,7 @@ class Front {
     return view_.bounds[s].is_beyond(place, distance + motion_of(s));
   }
 
-  // How the point saw a simplex as the step began. @returns false: it does not face it
+  // Position of the point before a simplex as the step began. @returns false: it does not face it
   bool faces(std::int32_t s, FacingSimplex& facing) const {
     const SimplexBounds<dim>& bounds = view_.bounds[s];
     const Vector<dim>& corner = surface().start[surface().simplices[s][0]];
@@ -143,8 +143,8 @@ bool is_in_front(const std::vector<Sight<dim>>& sights, bool has_touched, double
 
 }  // namespace
 
-// What the point comes behind is no farther from it than its way, and than twice that where
-// simplices turn by less than 60 degrees in the step.
+// Radius within which the point may come behind a simplex: its displacement, or twice that where
+// simplices turn, by less than 60 degrees in the step.
 template <int dim>
 double front_reach(const FacingSurface<dim>& surface, const FeatureReach& reach, double way) {
   const double behind = surface.motion > 0 ? 2 * (way + surface.motion) : way;

@@ -9,7 +9,7 @@
 
 namespace gabion::mpm {
 
-/// A touch goes on in the next step where its normal turned by less than 60 degrees.
+/// A contact goes on in the next step where its normal turned by less than 60 degrees.
 constexpr double same_normal = 0.5;
 
 /// A place that a point touched when the step began.
@@ -33,7 +33,8 @@ struct FrontView {
   double margin = 0;  ///< simplices that are farther at the start do not count [m]
 };
 
-/// How far around the end of its way `near` has to have all simplices [m], unless `around` is more.
+/// Radius around the end of its displacement path within which `near` has to have all simplices
+/// [m], unless `around` is more.
 template <int dim>
 double front_reach(const FacingSurface<dim>& surface, const FeatureReach& reach, double way);
 

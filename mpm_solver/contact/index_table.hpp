@@ -45,7 +45,7 @@ class IndexTable {
     return differ == 0;
   }
 
-  // Where the key is, or would be added. @pre a slot is empty
+  // Slot in which the key is, or would be added. @pre a slot is empty
   std::size_t slot_of(const Key& key) const {
     std::size_t hash = 0;
     for (const std::int64_t k : key) {

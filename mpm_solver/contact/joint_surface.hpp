@@ -39,7 +39,7 @@ class JointSurface {
   std::span<const Vector<dim>> start_of(std::size_t m) const {
     return std::span(start_).subspan(members_[m].first_vertex, members_[m].num_vertices);
   }
-  /// Where a simplex has its corners in the accepted state.
+  /// Corners of a simplex in the accepted state [m].
   std::array<Vector<dim>, dim> corners(std::int32_t simplex) const {
     return corners_of<dim>(simplices_[simplex], start_);
   }

@@ -15,7 +15,7 @@ namespace gabion::mpm {
 /// A material point that may touch a surface in the step, with its contact sphere.
 template <int dim>
 struct ContactCandidate {
-  /// Where the point is when the step begins.
+  /// Place of the point, relative to what it touched, when the step begins.
   enum class Place : char {
     unknown,
     front,  ///< in front of the nearest simplex that it touched
@@ -50,8 +50,8 @@ struct ContactCandidate {
   double mean_radius() const { return shape.norm() / std::sqrt(double{dim}); }
 };
 
-/// Which places of a surface the material points of this rank may touch in a step. Points far from
-/// the surface are watched only; one that comes near becomes a candidate.
+/// Search for the places of a surface that the material points of this rank may touch in a step.
+/// Points far from the surface are watched only; one that comes near becomes a candidate.
 template <int dim>
 class PointSearch {
  public:
@@ -134,13 +134,13 @@ class PointSearch {
   struct NodalBox {
     Vector<dim> middle, half;
   };
-  /// What is nearest to a point of a member, when the step begins.
+  /// Simplex of a member that is nearest to a point, when the step begins.
   struct Near {
     std::int32_t owner = 0;
     double distance = 0;  // [m], 0 behind a facet that is touched
     SurfaceFeature<dim> place{};
   };
-  /// What a point faces when the step begins.
+  /// Simplices that a point faces when the step begins.
   struct Facing {
     std::vector<FacingSimplex> simplices;
     std::vector<Near> near;
@@ -153,7 +153,7 @@ class PointSearch {
     std::int32_t owner = 0;
     Vector<dim> normal = Vector<dim>::Zero();  // zero: the point is in front of it
   };
-  /// Of a member in the step.
+  /// Limits of the motion of a member in the step.
   struct Limits {
     double watched = 0;  // beyond its speed soil and surface may move by this much together [m]
     bool may_touch = false;

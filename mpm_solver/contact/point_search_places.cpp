@@ -154,16 +154,17 @@ void PointSearch<dim>::find_of(Candidate& c, std::span<const double> du) {
   c.found = !features_.empty();
 }
 
-// How far from the centre of its sphere, at the end of its way, a point feels the surface: the
-// surface of the sphere goes against the centre by no more than its nodes, or its strain, do.
+// Distance from the centre of its sphere, at the end of its displacement path, within which a point
+// feels the surface: the surface of the sphere goes against the centre by no more than its nodes,
+// or its strain, do.
 template <int dim>
 double PointSearch<dim>::reach_of(const Candidate& c) const {
   const double against_centre = std::max(c.H.norm() * c.shape.norm(), c.spread);
   return c.shape.norm() + against_centre + c.offset.norm() + most_begun<dim>(c.memory);
 }
 
-// How far a place may be that it touches, if the sphere is rigid: the plane of a simplex pushes a
-// little beyond its end (find_features).
+// Largest distance of a place that it touches, if the sphere is rigid: the plane of a simplex
+// pushes a little beyond its end (find_features).
 template <int dim>
 double PointSearch<dim>::touch_reach(const Candidate& c) const {
   const double size = c.shape.norm() + c.offset.norm(), R = c.mean_radius();

@@ -15,10 +15,10 @@ struct PlacedSurface {
   std::vector<Vector<dim>> vertices;  ///< [m]
 };
 
-/// Which surfaces are one for the search of what soil touches: those whose rim meets the other one
-/// flush, at an outside corner or at a bend by less than that of `corner_cosine`. At a corner that
-/// the soil lies in, as between a floor and a wall, each of the two is searched for itself: none
-/// of their rims is in the way there.
+/// Surfaces that are searched as one for contact points: those whose rim meets the other one flush,
+/// at an outside corner or at a bend by less than that of `corner_cosine`. At a corner that the
+/// soil lies in, as between a floor and a wall, each of the two is searched for itself: none of
+/// their rims is in the way there.
 /// @param tolerance  a rim that is nearer to a surface meets it [m]
 /// @returns of each surface the first one of those that it is one with; itself: none before it
 template <int dim>

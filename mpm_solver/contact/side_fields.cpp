@@ -12,11 +12,12 @@ namespace gabion::mpm {
 
 namespace {
 
-// Of the shortest edge of a cell: a node that is no farther before a face lies on it.
+// Share of the shortest edge of a cell: a node at no more than this distance before a face lies on
+// it.
 constexpr double tiny_share = 1e-9;
 
-// Of the same: points are looked at from this far beside themselves. Sights along the lines of the
-// grid would else go through corners of simplices, which are on it often.
+// Share of the same edge: points are looked at from this distance beside them. Otherwise lines of
+// sight along the grid would pass through corners of simplices, which often lie on it.
 constexpr double aside_share = 1e-6;
 
 // A point is at an end of a wall where the nearest face is seen at more than 60 degrees off its

@@ -43,7 +43,7 @@ class SideFields {
     std::int32_t group = 0;
     std::vector<Sides> sides;
   };
-  /// How points weigh on a node, as bits.
+  /// Kinds of points that weigh on a node, as bits.
   enum Reached : char { by_near_side = 1, by_far_side = 2, by_end = 4 };
 
   std::vector<std::int32_t> faces_near(const CellGroup& group) const;

@@ -56,7 +56,7 @@ std::map<Edge<dim>, std::vector<std::int32_t>> edge_owners(
   return owners;
 }
 
-/// Which side of a surface a point is on.
+/// Side of a surface that a point is on.
 struct Side {
   double distance = std::numeric_limits<double>::infinity();  // [m]
   double height = 0;                                          // above the nearest simplex [m]
@@ -117,7 +117,7 @@ class SidedSurface {
   FacetHash<dim> hash_;
 };
 
-// Largest edge of a square or cube of a point's volume, which holds its ball.
+// Largest edge of a square or cube of a point's volume, which holds its contact sphere.
 template <int dim>
 double largest_size(const MaterialPoints<dim>& points) {
   const auto widest = std::max_element(points.V0.begin(), points.V0.end());

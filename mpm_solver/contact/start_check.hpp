@@ -31,12 +31,12 @@ std::vector<StartSurface<dim>> surfaces_at_start(
     const std::vector<ContactSettings<dim>>& interfaces,
     const std::vector<RigidWallSettings<dim>>& walls);
 
-/// How the soil of this rank lies to a surface at time 0. A material point is a ball of the radius
-/// MaterialPoints::depth. A point behind a surface counts for the surface that is nearest to it,
-/// and not at all beyond the rim of an open one. It is inside the structure when it is no farther
-/// from the surface than the size of a point: then the surface cuts the soil, or the structure is
-/// thinner than half a point. In front it is when its ball overlaps the surface and the method
-/// measures distances (`facets`).
+/// Position of this rank's soil relative to a surface at time 0. A material point is a sphere of
+/// the radius MaterialPoints::depth. A point behind a surface counts for the surface that is
+/// nearest to it, and not at all beyond the rim of an open one. It is inside the structure when it
+/// is no farther from the surface than the size of a point: then the surface cuts the soil, or the
+/// structure is thinner than half a point. In front it is when its sphere overlaps the surface and
+/// the method measures distances (`facets`).
 template <int dim>
 struct SoilAtStart {
   double gap = std::numeric_limits<double>::infinity();  ///< smallest of a point in front [m]

@@ -25,7 +25,8 @@ bool are_in_corner(const FacingSurface<dim>& surface, std::int32_t a, std::int32
 
 namespace {
 
-// Whether the point is behind a simplex: its way led through, or it was and has not come back.
+// Whether the point is behind a simplex: its path led through, or it was behind it and has not come
+// back.
 template <int dim>
 bool is_under(const Sight<dim>& sight, const Sight<dim>* touched) {
   if (sight.height > 0) return false;
@@ -35,7 +36,7 @@ bool is_under(const Sight<dim>& sight, const Sight<dim>* touched) {
   return above_inside || sight.distance <= (1 + same_distance) * touched->distance;
 }
 
-// Beyond the end of its simplex a foot is on the simplex that is next to it there: the force goes
+// A foot beyond the end of its simplex is on the simplex that is next to it there: the force goes
 // to the vertices around it.
 template <int dim>
 void move_to_nearest(const FacingSurface<dim>& surface, const std::vector<Sight<dim>>& all,
@@ -63,8 +64,8 @@ bool bends_inwards(const FacingSurface<dim>& surface, const Sight<dim>& sight, i
   });
 }
 
-// At an inside corner the depth below a plane fades out beyond the end of its simplex. Whether a
-// simplex, whose place is no minimum, still counts so.
+// Whether a simplex whose closest place is no minimum still counts: at a re-entrant corner the
+// depth below a plane fades out beyond the end of its simplex.
 template <int dim>
 bool fades_out(const FacingSurface<dim>& surface, const Sight<dim>& sight,
                const SurfaceFeature<dim>& foot, const std::vector<Sight<dim>>& all, double margin) {
@@ -76,7 +77,7 @@ bool fades_out(const FacingSurface<dim>& surface, const Sight<dim>& sight,
 }
 
 // Simplices that were farther from the point cannot count: not within reach, not crossed, and no
-// neighbour of one that counts. A way longer than the reach may lead round a corner behind one.
+// neighbour of one that counts. A path longer than the reach may lead round a corner behind one.
 template <int dim>
 double farthest_that_counts(const FacingSurface<dim>& surface, const Vector<dim>& x,
                             const Vector<dim>& y, double reach) {

@@ -75,10 +75,10 @@ struct SurfaceFeature {
   double distance = 0;                       ///< [m], < 0: the point is behind the surface
 };
 
-/// Where a simplex is, for a quick look.
+/// Bounding sphere of a simplex, for a quick exclusion.
 template <int dim>
 struct SimplexBounds {
-  Vector<dim> centre;  ///< of a ball that holds it [m]
+  Vector<dim> centre;  ///< of a sphere that holds it [m]
   double radius = 0;   ///< [m]
   Vector<dim> normal;
 
@@ -123,21 +123,21 @@ struct FacingSurface {
   double seam = 0;  ///< a rim that is nearer to a simplex meets it [m]
 };
 
-/// How far a point feels a surface.
+/// Distances within which a point feels a surface.
 struct FeatureReach {
   double distance = 0;  ///< features that are farther do not count [m]
-  double radius = 0;    ///< of the ball around the point [m]
+  double radius = 0;    ///< of the contact sphere around the point [m]
 };
 
 /// Whether two simplices belong to different surfaces that meet in a corner there.
 template <int dim>
 bool are_in_corner(const FacingSurface<dim>& surface, std::int32_t a, std::int32_t b);
 
-/// The features of a surface that are within reach of a point that came from x to y, or that
-/// its way went through. Inside corners have several, each a little beyond where its simplex ends,
-/// with the weights of the simplex that is next to it there.
-/// Where the point is behind several features, the least deep one counts, with those that form
-/// inside corners with it. A point that touched and whose centre went through stays behind.
+/// The features of a surface that are within reach of a point that came from x to y, or that its
+/// displacement path went through. Inside corners have several, each a little beyond where its
+/// simplex ends, with the weights of the simplex that is next to it there. Where the point is
+/// behind several features, only the one with the smallest penetration counts, with those that form
+/// re-entrant corners with it. A point that touched and whose centre went through stays behind.
 /// @param features  cleared first
 template <int dim>
 void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, const Vector<dim>& y,

@@ -15,8 +15,9 @@ namespace gabion::mpm::sights {
 // Two places whose distances from a point differ by less than this share are equally near.
 inline constexpr double same_distance = 1e-9;
 
-// Of the radius: how far beyond the end of a simplex. At a bend by alpha its plane pushes (WayOut)
-// up to R tan(alpha / 2) cos(alpha) there, which is largest at cos(alpha) = 0.618.
+// Distance beyond the end of a simplex over which its depth fades out, as a share of the radius. At
+// a bend by alpha its plane pushes (WayOut) up to R tan(alpha / 2) cos(alpha) there, which is
+// largest at cos(alpha) = 0.618.
 inline constexpr double fading_share = 0.301;
 
 /// A simplex at the end of the step, with what a point sees of it.
@@ -64,14 +65,14 @@ bool meets(const FacingSurface<dim>& surface, const Vector<dim>& x, const Simple
   return (closest_place<dim>(corners, x).x - x).norm() <= surface.seam;
 }
 
-/// The way of a point in a step.
+/// The displacement path of a point in a step.
 template <int dim>
 struct Way {
   Vector<dim> from, to;
 };
 
-// Whether the way of a point, relative to the simplex, goes through it.
-// @param t  share of the way at which it meets the plane
+// Whether the displacement path of a point, relative to the simplex, goes through it.
+// @param t  share of the path at which it meets the plane
 template <int dim>
 bool way_crosses(const std::array<Vector<dim>, dim>& start, const std::array<Vector<dim>, dim>& end,
                  const Way<dim>& way, double t) {

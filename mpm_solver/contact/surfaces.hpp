@@ -88,7 +88,7 @@ class Surfaces {
   void visit_state(StateVisitor& visitor);
 
  private:
-  /// Where a surface is among the contacts.
+  /// Place of a surface among the contacts: number of the contact, and of the member in it.
   struct Place {
     std::size_t contact = 0, member = 0;
   };

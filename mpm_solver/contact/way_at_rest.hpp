@@ -12,14 +12,14 @@ namespace gabion::mpm {
 template <int dim>
 struct RestingPlace {
   Vector<dim> normal = Vector<dim>::Zero();  ///< of length 1, into the soil
-  double gap = 0;                            ///< of the point's ball [m]
+  double gap = 0;                            ///< of the point's contact sphere [m]
   double square = 0;                         ///< of the depth that bears the pressure alone [m^2]
   Vector<dim> pull = Vector<dim>::Zero();    ///< tangential force of the soil on the face [N]
   std::int32_t owner = 0;                    ///< surface of the contact that has the face
 };
 
-/// The way u whose depths n_k . u give each face the traction that it has at rest, where WayOut
-/// shares them (docs/theory/interface.md, (I17)):
+/// The displacement u whose depths n_k . u give each face the traction that it has at rest, where
+/// WayOut shares them (docs/theory/interface.md, (I17)):
 ///
 ///     s = sum_k square_k n_k ,   u = s / sqrt(|s|)
 ///

@@ -11,7 +11,7 @@ namespace {
 // A plane that lacks less than this share of its depth is led out of.
 constexpr double negligible = 1e-9;
 
-/// Looks through the sets of at most dim planes for the one whose way leads out of all.
+/// Looks through the sets of at most dim planes for the one whose displacement leads out of all.
 template <int dim>
 class Search {
  public:

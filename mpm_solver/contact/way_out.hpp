@@ -8,9 +8,9 @@
 
 namespace gabion::mpm {
 
-/// The shortest way out of several planes: u = sum_k depths_k n_k, depths_k > 0, of all u with
-/// n_l . u >= delta_l. It changes continuously where a plane comes in, at any angle: two that are
-/// nearly parallel push as one, two at right angles each for itself.
+/// The shortest displacement out of several planes: u = sum_k depths_k n_k, depths_k > 0, of all u
+/// with n_l . u >= delta_l. It changes continuously where a plane comes in, at any angle: two that
+/// are nearly parallel push as one, two at right angles each for itself.
 template <int dim>
 struct WayOut {
   int size = 0;                               ///< number of planes that push

@@ -25,7 +25,7 @@ struct Gauge {
   Vector<dim> up;       ///< up . (x - foot) is 0 at the foot, 1 at the top
   Vector<dim> forward;  ///< forward . (x - foot) is 0 and 1 at the ends of the foot line; 2D: zero
 
-  /// In front of the plane, along the normal [m].
+  /// Signed distance from the plane, along the normal [m].
   double distance(const Vector<dim>& x) const { return normal.dot(x - foot); }
   /// Whether the projection of x along the normal lies in the piece; of its edges those at the foot
   /// and at the start of the foot line belong to it.

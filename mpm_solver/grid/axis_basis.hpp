@@ -39,7 +39,8 @@ inline double gimp_half_length(double t, double l, int num_cells) {
 ///
 ///     N_i = 1 / (2 l) int_{t - l}^{t + l} hat(r - i) dr
 ///
-/// Where the grid ends, l is cut to the distance: the domain stays inside.
+/// The half length l is cut to the distance from the end of the grid, so that the domain stays
+/// inside.
 /// @param l          half length of the domain by the spacing, 0 <= l <= 1/2
 /// @param num_cells  of the axis
 /// @see   Bardenhagen, Kober (2004)

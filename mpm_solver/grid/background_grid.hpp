@@ -62,7 +62,7 @@ struct BackgroundGrid {
 
   CellType cell_type = BoxGrid<dim>::cell_type;
   std::optional<BoxGrid<dim>> box;
-  /// Where there is no box; copies share it, since it never changes.
+  /// Cells of a grid that is no box; copies share it, since it never changes.
   std::shared_ptr<const StoredCells<dim>> stored;
   FacetGroups facet_groups;
   Basis basis = Basis::linear;

@@ -54,8 +54,8 @@ struct PointWeights {
   std::vector<std::int32_t> group_nodes;  ///< grid nodes of the groups
   std::vector<std::int32_t> body_groups;  ///< first group of each body, and the number of groups
   std::int32_t num_capped = 0;            ///< gimp: points whose domain would be wider than a cell
-  /// Of the grid nodes: 2 where SideFields doubled some, whose second numbers follow on all first
-  /// ones.
+  /// Number of fields at the grid nodes: 2 where SideFields doubled some nodes, whose second
+  /// numbers follow all first ones.
   std::int32_t num_fields = 1;
 
   /// Room for num_nodes values of each entry; no nodes of groups yet.

@@ -27,7 +27,7 @@ struct Neighbourhood {
   }
 };
 
-// Where the values of a point go.
+// Destinations of the values of a point.
 template <int dim>
 struct ValuePlace {
   std::uint8_t* local;  // gets numbers in the neighbourhood

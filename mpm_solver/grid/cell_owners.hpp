@@ -8,7 +8,8 @@
 
 namespace gabion::mpm {
 
-/// Which rank has the material points of a cell: any rank can tell. Refers to grid and partition.
+/// The rank that has the material points of a cell, known to every rank. Refers to grid and
+/// partition.
 template <int dim>
 struct CellOwners {
   MPI_Comm comm;

@@ -49,7 +49,7 @@ struct GridNodes {
     return grid_node[i] >= num_places || active[grid_node[i] + num_places] >= 0;
   }
   std::int32_t size() const { return static_cast<std::int32_t>(grid_node.size()); }
-  /// On all ranks, each once.
+  /// Number of the active nodes of all ranks, each counted once.
   std::int64_t num_of_all() const { return shared.alone() ? size() : shared.num_of_all(); }
 };
 

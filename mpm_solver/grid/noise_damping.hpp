@@ -11,7 +11,7 @@ namespace gabion::mpm {
 /// fast: below, soil deforms quasi-statically, far above it flows. @see GDR MiDi (2004)
 inline constexpr double inertial_number_of_flow = 0.02;
 
-/// How fast the noise of the points is damped.
+/// Rate at which the noise of the points is damped.
 struct NoiseDamping {
   double damping = 0;    ///< d
   double dt = 0;         ///< [s]

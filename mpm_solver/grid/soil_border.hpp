@@ -9,7 +9,7 @@
 
 namespace gabion::mpm {
 
-/// Where the soil ends, and what that means for the groups of points whose volumes are averaged
+/// The border of the soil, and what it means for the groups of points whose volumes are averaged
 /// under splines (docs/theory/soil.md, F-bar): along each axis on which a cell has a neighbour
 /// without points, its points form a group for each half of it. The knots of splines lie in the
 /// middle of cells. What the splines beyond the border do in the half cell before it, the mean over

@@ -24,7 +24,7 @@ class SparseList {
     starts_.resize((size + length - 1) / length, 0);
   }
   const Value& operator[](std::size_t i) const { return values_[starts_[i / length] + i % length]; }
-  /// To be set. @note May move the other values.
+  /// Reference through which a value is set. @note May move the other values.
   Value& at(std::size_t i) {
     std::uint32_t& start = starts_[i / length];
     if (start == 0) {

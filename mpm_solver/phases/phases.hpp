@@ -13,7 +13,7 @@
 
 namespace gabion::mpm {
 
-/// What becomes of a material point that leaves the background grid.
+/// Treatment of a material point that leaves the background grid.
 enum class Outside { error, remove };
 
 /// A facet group of the grid through which soil leaves: nothing supports it there, and material

@@ -14,8 +14,8 @@ struct LaidSide {
   Vector<dim> normal = Vector<dim>::Zero();  ///< of length 1, into the cell
   double depth = 0;                          ///< of the point below the side [m]
   double area = 0;                           ///< of the side, the point's share by volume [m^2]
-  /// From the mean place of the row's points to the middle of the side, across its normal [m]: a
-  /// linear traction has the resultant of its values at the points, shifted by that.
+  /// Vector from the mean place of the row's points to the middle of the side, across its normal
+  /// [m]. A linear traction has the resultant of its values at the points, shifted by this vector.
   Vector<dim> shift = Vector<dim>::Zero();
 };
 

@@ -59,7 +59,7 @@ struct MaterialPoints {
   /// Pore water of each point when it is free of pressure, over V0, 0: dry; empty where no body has
   /// any (PoreWater::at).
   std::vector<double> water;
-  /// Only where the basis follows the points' domains (PointLayout::with_domains), else empty:
+  /// Half lengths, empty unless the basis follows the points' domains (PointLayout::with_domains):
   std::vector<Vector<dim>> half_length;   ///< of the domain along each axis, uncut [m]
   std::vector<std::int32_t> body_starts;  ///< first point of each body, and the number of points
   std::vector<std::int64_t> body_ids;  ///< first id of each body, and the number of ids; of a run
@@ -110,7 +110,7 @@ double pore_tau(const Body<dim>& body, const MaterialPoints<dim>& points, std::i
   return points.J[p] * body.water->at(points.water[p], points.J[p]).p;
 }
 
-/// How a body is filled with points.
+/// Layout of the points that fill a body.
 template <int dim>
 struct PointLayout {
   Mesh<dim> mesh;           ///< body mesh; not used after the points are laid
@@ -120,8 +120,8 @@ struct PointLayout {
   bool with_domains = false;  ///< fill half_length
 };
 
-/// Which of a body's points a rank lays: the part-th of num_parts equal contiguous shares. They
-/// then go to the ranks that their cells belong to.
+/// A rank's share of the points of a body that it lays: the part-th of num_parts equal contiguous
+/// shares. They then go to the ranks that their cells belong to.
 struct PointShare {
   std::int64_t first_id = 0;  ///< number of the body's first point in the whole run
   int part = 0;

@@ -10,9 +10,9 @@
 
 namespace gabion::mpm {
 
-/// Which rank has which material points: each those of its part of space, a cell (or patch of
-/// cells) with all that lies in it. Refers to the grid. On one rank it does nothing. Functions are
-/// collective.
+/// Distribution of the material points over ranks: each has those of its part of space, a cell (or
+/// patch of cells) with all that lies in it. Refers to the grid. On one rank it does nothing.
+/// Functions are collective.
 template <int dim>
 class PointRanks {
  public:

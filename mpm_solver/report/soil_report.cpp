@@ -35,7 +35,7 @@ Json removed_masses(const SoilModel<dim>& model, const SoilState<dim>& state) {
   return masses;
 }
 
-/// When soil left, as far as it has.
+/// Add the times at which soil and probes left the grid, if they did.
 template <int dim>
 void append_ends(const SoilModel<dim>& model, const SoilState<dim>& state, Json& summary) {
   if (std::isfinite(state.soil_end)) summary["soil_left_at"] = state.soil_end;

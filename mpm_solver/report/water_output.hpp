@@ -25,7 +25,8 @@ std::vector<std::string> water_probe_names(const MpmSettings<dim>& settings);
 template <int dim>
 std::vector<double> water_probe_values(const SoilModel<dim>& model, const SoilState<dim>& state);
 
-/// Of each body with pore water: densities, K_w / (n0 M), undrained wave speed. Null without any.
+/// Summary of each body with pore water: densities, K_w / (n0 M), undrained wave speed. Null
+/// without any.
 template <int dim>
 Json water_summary(const SoilModel<dim>& model);
 /// Log them.

@@ -10,7 +10,7 @@
 
 namespace gabion::mpm {
 
-/// Where light nodes are looked for.
+/// Data among which light nodes are sought.
 template <int dim>
 struct LightNodeSearch {
   const BackgroundGrid<dim>& grid;
@@ -22,15 +22,15 @@ struct LightNodeSearch {
   const FacetSights<dim>* sights = nullptr;
 };
 
-/// Without inertia nothing but the gradient of a shape function keeps a node in its place, and a
-/// node that its points hardly weigh on,
+/// A node that its points hardly weigh on,
 ///
 ///     m_i < share sum_p m_p   over the points with N_ip among their values,
 ///
-/// makes the stiffness nearly singular. It is not solved for: it takes the number of the nearest
-/// heavier node of its grid cells and moves with it, so that mass, weight and every force on it act
-/// there. Weak nodes join the nearest one that is before the surface which they are behind. Nodes
-/// that a wall holds neither join nor are joined; without a partner a node stays.
+/// makes the stiffness nearly singular where there is no inertia: nothing but the gradient of a
+/// shape function then keeps it in its place. It is not solved for: it takes the number of the
+/// nearest heavier node of its grid cells and moves with it, so that mass, weight and every force
+/// on it act there. Weak nodes join the nearest one that is before the surface which they are
+/// behind. Nodes that a wall holds neither join nor are joined; without a partner a node stays.
 ///
 /// @param[in,out] nodes  active, with their mass; numbered anew where a node joined, mass and
 ///                       motion are then to be mapped again

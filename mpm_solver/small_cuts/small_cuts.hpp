@@ -12,7 +12,7 @@
 
 namespace gabion::mpm {
 
-/// What is done about cells and nodes that hold little soil (docs/theory/soil.md, (S24)).
+/// Method for cells and nodes that hold little soil (docs/theory/soil.md, (S24)).
 enum class SmallCutMethod {
   none,
   ghost,        ///< GhostStiffness

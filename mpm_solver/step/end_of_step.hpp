@@ -14,7 +14,7 @@ namespace gabion::mpm {
 template <int dim>
 NodalMotion<dim> nodal_motion(const Equilibrium<dim>& equilibrium, std::span<const double> du);
 
-/// How exact a step was in time. Root mean squares over the mass.
+/// Error of a step in time, as root mean squares over the mass.
 struct StepError {
   double displacement = 0;  ///< Newmark's local error, dt^2 |1/6 - beta| |a' - a| [m]
   double speed = 0;         ///< of v' [m/s]

@@ -26,8 +26,8 @@ constexpr double mass_floor = 1e-8;
 // Support over the mean stiffness of a node.
 constexpr double support_share = 1e-4;
 
-// Where soil flies freely no force is left to compare the residual with. The force that would stop
-// a node within the step counts by this share.
+// Share of the force that would stop a node within the step: the residual is compared with it too,
+// since soil that flies freely has no other force.
 constexpr double share_of_stopping = 1e-3;
 
 }  // namespace

@@ -67,7 +67,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   Evaluation linearise(std::span<const double> wall_step, std::span<double> r, BlockMatrix<dim>& K);
   /// The stiffness of points that yielded since the solution began (YieldingPoints).
   bool brace(double share) override;
-  /// In quasi-static analysis with contact: bodies may have to move before a surface holds them.
+  /// Adds stiffness in quasi-static analysis with contact, where bodies may have to move before a
+  /// surface holds them.
   bool support(bool on) override;
   double increment_scale() const override { return parts_.cell_size; }
   std::string describe_node(std::size_t i) const override;

@@ -197,7 +197,7 @@ typename ExplicitMotion<dim>::Forces ExplicitMotion<dim>::forces_at(const Subste
   return forces;
 }
 
-// For the solutions after this one.
+// Keep the displacement, forces and stresses for the solutions after this one.
 template <int dim>
 void ExplicitMotion<dim>::keep(const Forces& forces) {
   reach_->keep({.du = result_.du,
@@ -330,7 +330,7 @@ void ExplicitMotion<dim>::finish(const Forces& last) {
   if (!nodes.shared.all(std::isfinite(sum))) {
     throw ConvergenceError("explicit step: velocities are not finite", "not_finite");
   }
-  // Where the places of contact are at the end, for what the surfaces remember.
+  // The contact points are found at the end of the step, for the memory of the surfaces.
   for (const auto& contact : parts_.surfaces.contacts()) {
     contact->add_forces(result_.du, F_, nullptr);
   }

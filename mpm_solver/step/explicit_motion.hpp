@@ -76,13 +76,13 @@ class ExplicitMotion {
 
  private:
   enum class Outcome { solved, too_stiff, beyond_reach };
-  /// Where substep k of `count` ends.
+  /// Substep k of `count`.
   struct Substep {
     int k, count;
     double share() const { return static_cast<double>(k + 1) / count; }
     double dt(double step) const { return step / count; }
   };
-  /// At one end of a substep.
+  /// Forces and acceleration at one end of a substep.
   struct Forces {
     std::vector<double> body, internal;  // [N]
     std::vector<double> A;               // [m/s^2]

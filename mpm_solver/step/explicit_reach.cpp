@@ -11,7 +11,8 @@ namespace gabion::mpm {
 
 namespace {
 
-// Of the points, mean over the substeps: a larger reach is not worth its bookkeeping.
+// Share of the points within reach, mean over the substeps; a larger reach is not worth its
+// bookkeeping.
 constexpr double most_of_the_soil = 0.8;
 
 }  // namespace

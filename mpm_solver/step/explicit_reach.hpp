@@ -42,7 +42,7 @@ class ExplicitReach {
   /// Keep what the first points of D in this substep start from.
   /// @param tau  stresses of the skeleton [Pa]; empty: no law depends on the path
   void keep_states(const MaterialPath<dim>& path, std::span<const Symmetric<dim>> tau);
-  /// What the groups about D are to add is wanted here: room for StressParts::kept.
+  /// Ask for the forces of the groups about D: make room for StressParts::kept.
   void ask_for_forces(GroupForces<dim>& kept) const;
   /// Values at the end of a substep, nodal ones of all ranks.
   struct Fields {

@@ -12,7 +12,7 @@
 
 namespace gabion::mpm {
 
-/// What explicit steps took; iterations of the coupling and repetitions included.
+/// Effort of explicit steps; iterations of the coupling and repetitions included.
 struct SubstepCounts {
   std::int64_t solutions = 0;
   std::int64_t substeps = 0;

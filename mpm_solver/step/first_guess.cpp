@@ -12,7 +12,7 @@ constexpr double flight_courant = 2;
 template <int dim>
 void spread_wall_step(Equilibrium<dim>& equilibrium, LinearSystem<dim>& system, FirstGuess& guess) {
   std::vector<double> r(guess.du.size()), step(guess.du.size());
-  // Where the start is inadmissible, Newton's method says why.
+  // If the start is inadmissible, Newton's method reports the reason.
   if (!equilibrium.linearise(guess.du, r, system.K()).admissible) return;
   guess.linear_iterations += system.solve(r, step);
   for (std::size_t k = 0; k < step.size(); ++k) guess.du[k] += step[k];

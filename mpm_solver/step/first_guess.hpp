@@ -8,7 +8,7 @@
 
 namespace gabion::mpm {
 
-/// Where Newton's method starts.
+/// Start of Newton's method.
 struct FirstGuess {
   std::vector<double> du;  ///< [m], num_nodes x dim
   std::int64_t linear_iterations = 0;

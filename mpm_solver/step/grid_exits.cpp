@@ -81,7 +81,7 @@ typename GridExits<dim>::Exit GridExits<dim>::first(const MaterialPoints<dim>& p
   return {};
 }
 
-// To the nearest of these facets [m]; infinite where none is within reach of a cell.
+// Distance to the nearest of these facets [m]; infinite where none is within reach of a cell.
 template <int dim>
 double GridExits<dim>::distance(std::span<const std::int32_t> facets, const Vector<dim>& x) const {
   const auto width = static_cast<std::size_t>(num_nodes(facet_type(grid_.cell_type)));

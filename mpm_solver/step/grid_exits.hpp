@@ -23,12 +23,12 @@ class GridExits {
   };
   using Refuse = std::function<bool(const Exit& exit)>;
   /// The first point of this rank that the increment du [m], num_nodes x dim, would carry out and
-  /// that is to be refused. Only points in cells at the edge, or with a long way to go, are looked
-  /// at.
+  /// that is to be refused. Only points in cells at the edge, or with a long displacement, are
+  /// looked at.
   Exit first(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
              const GridNodes<dim>& nodes, std::span<const double> du, const Refuse& refuse) const;
 
-  /// Facet groups of the side through which the straight way from a place in a cell to one outside
+  /// Facet groups of the side through which the straight path from a place in a cell to one outside
   /// leaves the grid, by name; empty: that side has none.
   std::vector<std::string> sides(const Vector<dim>& from, std::int32_t cell,
                                  const Vector<dim>& to) const;

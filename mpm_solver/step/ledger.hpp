@@ -60,7 +60,7 @@ template <int dim>
 StepBalance<dim> step_balance(const Equilibrium<dim>& equilibrium, std::span<const double> du,
                               const NodalMotion<dim>& motion);
 
-/// Where energy and momentum went since the start (docs/theory/soil.md, (S28), (S29)).
+/// Balance of energy and momentum since the start (docs/theory/soil.md, (S28), (S29)).
 template <int dim>
 class Ledger {
  public:
@@ -85,7 +85,7 @@ class Ledger {
   /// @param inertia  sum of their m a without their contact forces that are constant in a step, of
   ///                 all ranks [N]
   void remove(const MaterialPoints<dim>& points, const Vector<dim>& inertia);
-  /// What they took along; front has no meaning.
+  /// Totals that removed points took along; front has no meaning.
   const PointTotals<dim>& removed() const { return removed_; }
 
   /// Totals over the points in the accepted state.

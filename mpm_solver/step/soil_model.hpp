@@ -11,7 +11,7 @@
 
 namespace gabion::mpm {
 
-/// What never changes in a run.
+/// Parts of the soil's model that never change in a run.
 template <int dim>
 struct SoilModel {
   SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_);

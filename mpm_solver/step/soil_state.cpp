@@ -192,7 +192,7 @@ SoilState<dim>::SoilState(const SoilModel<dim>& model)
   ledger.start(points);
 }
 
-// Which sides the points leave by.
+// Count the points by the sides through which they leave.
 template <int dim>
 void SoilState<dim>::count_exits(std::span<const std::int32_t> outside, const Step& step,
                                  const SoilModel<dim>& model) {

@@ -67,7 +67,7 @@ StepMethod<dim>& SoilStep<dim>::method_of(const Phase& phase) {
   return *implicit_;
 }
 
-// Which phase it is, and how its step goes.
+// Enter the phase of the step, with its method and scheme.
 template <int dim>
 void SoilStep<dim>::enter_phase(const StepRequest& request) {
   const auto& phases = model_.settings.phases;

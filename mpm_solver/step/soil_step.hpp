@@ -31,7 +31,7 @@ class SoilStep {
   void check_initial_stress();
 
   /// A step from the accepted state begins: everything of it that does not depend on the interface
-  /// values. What was begun before is given up.
+  /// values. A step that began before is given up.
   /// @throws ConvergenceError
   void begin(const StepRequest& request);
   /// Solve to request.time + request.dt; the state's surfaces then hold the forces.
@@ -53,8 +53,8 @@ class SoilStep {
   void reject();
   /// The accepted state has changed: the step under way, if there is one, is given up.
   void forget() { under_way_ = false; }
-  /// Between steps: give up the memory that only a step needs, for others who want much for a
-  /// moment.
+  /// Release the memory that only a step needs. Called between steps, when another part of the
+  /// program needs much for a moment.
   void release();
 
   const SoilOnGrid<dim>& soil() const { return soil_; }

@@ -40,7 +40,7 @@ class StableStep {
   std::vector<double> size_;  // h_eff of each cell, of a box of all cells [m]
 };
 
-/// How long a substep is by the longest stable one, squared.
+/// Square of a substep's length over that of the longest stable one.
 inline double squared_courant(double dt, double soil_dt, double contact_rate) {
   return dt * dt * (1 / (soil_dt * soil_dt) + contact_rate / 2);
 }

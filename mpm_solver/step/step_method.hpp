@@ -40,9 +40,9 @@ struct StepEnd {
   std::optional<StepError> error;  ///< not set: not known, or no limit asks for it
 };
 
-/// How the steps of a phase are made: the solution for the present place of the surfaces and, once
-/// it is accepted, what it did. The soil is on the nodes of its grid, and the surfaces have begun
-/// the step. Functions are collective.
+/// Method of the steps of a phase: the solution for the present place of the surfaces and, once it
+/// is accepted, its results. The soil is on the nodes of its grid, and the surfaces have begun the
+/// step. Functions are collective.
 template <int dim>
 class StepMethod {
  public:

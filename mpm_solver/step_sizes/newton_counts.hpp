@@ -9,15 +9,16 @@
 
 namespace gabion::mpm {
 
-/// How often Newton's method needed how many iterations, and why it failed.
+/// Counts of Newton's method: solutions by their number of iterations, failures by their cause.
 class NewtonCounts {
  public:
   void add_solution(int iterations) { ++histogram_[iterations]; }
   /// @param cause  of the ConvergenceError
   void add_failure(const std::string& cause) { ++failures_[cause]; }
 
-  /// For summary.json: `solutions`, `iterations`, their `mean` and `max`, `histogram` (iterations
-  /// -> solutions) and `failures` (cause -> number). Without a solution mean and max are null.
+  /// Entry of summary.json: `solutions`, `iterations`, their `mean` and `max`, `histogram`
+  /// (iterations -> solutions) and `failures` (cause -> number). Without a solution mean and max
+  /// are null.
   Json json() const;
   std::int64_t solutions() const;
   std::int64_t iterations() const;

@@ -11,7 +11,7 @@
 
 namespace gabion::mpm {
 
-/// How stresses are summed over a cell: over its points, or as over the cell itself where it lies
+/// Quadrature of the stresses over a cell: at its points, or as over the cell itself where it lies
 /// inside the soil.
 enum class Quadrature { points, cells };
 const char* quadrature_name(Quadrature quadrature);
@@ -20,7 +20,7 @@ const char* quadrature_name(Quadrature quadrature);
 /// it.
 inline constexpr double least_filling = 0.3;
 
-/// 1 for the nodes of facets at the sides of the grid where soil may lose touch with the side: no
+/// 1 for the nodes of facets at the sides of the grid where soil may lose contact with the side: no
 /// wall is there, or one that moves.
 using OpenNodes = SparseList<char>;
 

@@ -86,7 +86,7 @@ class InternalForces {
   };
 
   struct Work;
-  /// What an evaluation of points is for.
+  /// Purpose of an evaluation of points.
   struct Request {
     std::span<const double> du;
     BlockMatrix<dim>* K;  // null: forces alone

@@ -11,7 +11,7 @@ namespace gabion::mpm {
 /// Above this Poisson's ratio the elastic response locks before anything yields.
 inline constexpr double locking_poisson_ratio = 0.45;
 
-/// What is done against volumetric locking, and why.
+/// Remedy for volumetric locking, and the reason for it.
 struct LockingCure {
   bool average_volumes = false;  ///< F-bar, see AveragedForces
   std::string reason;

@@ -38,7 +38,7 @@ double largest_displacement(const PointWeights<dim>& weights, const GridNodes<di
   return largest;
 }
 
-/// How the points of this rank move in a step.
+/// Motion of the points of this rank in a step.
 template <int dim>
 struct PointsInStep {
   const MaterialPoints<dim>& points;
@@ -48,8 +48,8 @@ struct PointsInStep {
   double dt;                   ///< [s]
 };
 
-/// By how much a point of a group moves farther than twice the way that fastest_about would take
-/// it, at most; less than 0: none does [m].
+/// Largest excess of the displacement of a point of a group over twice that by the velocity of
+/// fastest_about [m]; below 0: no point moves so far.
 template <int dim>
 double surplus_way(const PointsInStep<dim>& step, const CellGroup& group) {
   const auto& [points, weights, nodes, du, dt] = step;

@@ -12,7 +12,7 @@ struct StepContext {
   double dt = 0;                              ///< [s]
   const BackgroundGrid<dim>* grid = nullptr;  ///< null: no band is as narrow as the grid makes it
 
-  /// That of one point at the accepted state.
+  /// Context of one point at the accepted state.
   PointContext of_point(const MaterialPoints<dim>& points, std::int32_t p) const;
 };
 

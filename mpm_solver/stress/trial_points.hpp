@@ -41,14 +41,14 @@ struct TrialPoints {
   }
 };
 
-/// Plastic work of this rank's points on their way to the trial state [J].
-/// @param tau  stresses of the skeleton where the way began, one a point [Pa]
+/// Plastic work of this rank's points on their path to the trial state [J].
+/// @param tau  stresses of the skeleton where the path began, one a point [Pa]
 template <int dim>
 double plastic_work(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
                     const MaterialPoints<dim>& points, std::span<const Symmetric<dim>> tau);
 
-/// Plastic work of one entry on its way to the trial state, over PointWeights::volume [J/m^3].
-/// @param tau  stress of the skeleton where the way began [Pa]
+/// Plastic work of one entry on its path to the trial state, over PointWeights::volume [J/m^3].
+/// @param tau  stress of the skeleton where the path began [Pa]
 template <int dim>
 double plastic_density(const TrialPoints<dim>& trial, std::int32_t entry,
                        const Symmetric<dim>& tau) {
@@ -71,7 +71,7 @@ double plastic_work(const PointWeights<dim>& weights, const TrialPoints<dim>& tr
   return plastic_work<dim>(weights, trial, points, skeleton_stresses<dim>(bodies, points, room));
 }
 
-/// What forces over the volumes of PointWeights do on the way from the accepted state to the trial
+/// Work of forces over the volumes of PointWeights on the path from the accepted state to the trial
 /// state that turns into neither heat nor elastic energy of this rank's points [J].
 template <int dim>
 double unstored_work(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,

@@ -43,7 +43,7 @@ class WallFacets {
   const Vector<dim>& normal(std::int32_t facet) const { return geometry_[facet].normal; }
   double area(std::int32_t facet) const { return geometry_[facet].area; }
 
-  /// How two facets of a node meet there.
+  /// Relation of two facets that meet at a node.
   Meeting meet(std::int32_t a, std::int32_t b, std::int32_t node) const {
     const auto of_a = facet(a), of_b = facet(b);
     const auto is_of_a = [&](std::int32_t i) { return std::ranges::find(of_a, i) != of_a.end(); };

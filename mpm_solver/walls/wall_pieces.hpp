@@ -13,7 +13,7 @@ namespace gabion::mpm {
 /// round-off does not decide about a slope of 20 degrees that runs out on a flat.
 inline constexpr double corner_angle = 20.5;
 
-/// What the facets of a wall around one of its nodes have in common.
+/// Common properties of the facets of a wall around one of its nodes.
 template <int dim>
 struct WallPiece {
   std::int32_t grid_node = 0;

@@ -15,7 +15,7 @@ class Attention {
  public:
   using Seconds = std::chrono::duration<double>;
 
-  /// How long to look before sleep.
+  /// Time to look before sleep.
   Seconds before(const std::string& kind) const {
     const auto known = means_.find(kind);
     return known == means_.end() || known->second <= short_wait ? longest_look : Seconds(0);

@@ -43,7 +43,7 @@ class Socket {
 
   /// False when the peer cannot be reached or its queue stays full for a second.
   bool send(const std::vector<std::string_view>& frames);
-  /// As above without waiting: false also when the queue is full now.
+  /// Like send(), without waiting: false also when the queue is full now.
   bool try_send(const std::vector<std::string_view>& frames);
 
   /// One message, or nothing after `milliseconds` or when a signal came.
@@ -62,7 +62,7 @@ class Socket {
   /// Whether what goes to this route stays on this machine, past the network. Coupler's side.
   bool is_local(const std::string& route) const;
 
-  /// Where it is bound: the port is known even when the endpoint said `*`.
+  /// Endpoint to which the socket is bound, with the port that it got when `*` was asked for.
   std::string endpoint() const;
 
   static constexpr std::size_t max_frames = 300;

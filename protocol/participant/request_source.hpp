@@ -8,7 +8,7 @@
 
 namespace gabion {
 
-/// Where the coupler's requests come from, and where the answers go.
+/// Source of the coupler's requests, and destination of the answers.
 class RequestSource {
  public:
   virtual ~RequestSource() = default;

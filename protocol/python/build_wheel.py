@@ -63,7 +63,8 @@ def write_wheel(folder: str, files: dict[str, bytes]) -> str:
     """Name of the wheel with these files, metadata and the list of all (RECORD)."""
     about = f"{package()}-{project()['version']}.dist-info"
     files |= {f"{about}/METADATA": metadata().encode(),
-              f"{about}/WHEEL": f"Wheel-Version: 1.0\nGenerator: {package()}\nRoot-Is-Purelib: true\nTag: {TAG}\n".encode()}
+              f"{about}/WHEEL": (f"Wheel-Version: 1.0\nGenerator: {package()}\n"
+                                 f"Root-Is-Purelib: true\nTag: {TAG}\n").encode()}
     rows = []
     for name, content in files.items():
         digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
@@ -78,7 +79,8 @@ def write_wheel(folder: str, files: dict[str, bytes]) -> str:
     return wheel
 
 
-def build_wheel(wheel_directory: str, config_settings: dict | None = None, metadata_directory: str | None = None) -> str:
+def build_wheel(wheel_directory: str, config_settings: dict | None = None,
+                metadata_directory: str | None = None) -> str:
     files = {path.as_posix(): path.read_bytes() for path in sources()}
     if note():
         files[f"{package()}/{note()}"] = f"{Path.cwd()}\n".encode()
@@ -93,7 +95,8 @@ def build_editable(wheel_directory: str, config_settings: dict | None = None,
 
 def build_sdist(sdist_directory: str, config_settings: dict | None = None) -> str:
     if note():
-        raise SystemExit(f"{package()}: allowed: an installation from its folder, which has the programs that it starts")
+        raise SystemExit(f"{package()}: allowed: an installation from its folder, which has the programs that it "
+                         "starts")
     base = f"{package()}-{project()['version']}"
     with tarfile.open(Path(sdist_directory) / f"{base}.tar.gz", "w:gz", format=tarfile.PAX_FORMAT) as archive:
         for path in [Path("pyproject.toml"), Path(__file__).relative_to(Path.cwd()), *sources()]:

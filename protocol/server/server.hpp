@@ -29,8 +29,8 @@ class Declined : public ConfigError {
 };
 
 struct ServerSettings {
-  /// Where to listen; `*` takes a free port. Other machines need tcp://0.0.0.0:PORT or an address
-  /// of this machine, and better keys.
+  /// Endpoint to listen at; `*` takes a free port. Other machines need tcp://0.0.0.0:PORT or an
+  /// address of this machine, and better keys.
   std::string endpoint = "tcp://127.0.0.1:*";
   Deadlines deadlines;
   /// Files of keys.hpp: the coupler's secret key, and the public keys of those that may connect.

@@ -78,11 +78,11 @@ class Switchboard {
   /// @throws Interrupted    a signal came, and no participant's death explains it
   Message wait_reply(const std::string& participant, std::uint64_t sequence);
 
-  /// From now on a signal ends a wait only after interrupt::patience(): the caller looks at it
+  /// Let a signal end a wait only after interrupt::patience(), from now on: the caller looks at it
   /// between steps.
   void defer_signals() { signals_end_waits_ = false; }
 
-  /// From now on the log says every few seconds who is waited for, and what it was asked.
+  /// Log every few seconds, from now on, which participant is waited for, and what it was asked.
   void log_waits() { logs_waits_ = true; }
 
   /// Latch a failure, tell it to all participants.

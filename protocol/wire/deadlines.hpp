@@ -9,8 +9,8 @@ namespace gabion {
 class ConfigReader;
 struct Key;
 
-/// How long each wait lasts at most [s]. The coupler's values hold for all; a participant has its
-/// own `connect` and gets the others in the welcome.
+/// Longest duration of each wait [s]. The coupler's values hold for all; a participant has its own
+/// `connect` and gets the others in the welcome.
 struct Deadlines {
   double connect = 300;    ///< until every participant has connected
   double silence = 10;     ///< without any sign of life: the peer is dead, frozen or unreachable

@@ -42,7 +42,7 @@ struct Message {
   /// An extent of -1 in `shape` accepts any.
   const std::vector<double>& reals(const std::string& name,
                                    const std::vector<std::int64_t>& shape) const;
-  /// As above, but moved out of the message: the array is left empty.
+  /// Like reals(), but the array is moved out of the message, which keeps an empty one.
   std::vector<double> take_reals(const std::string& name, const std::vector<std::int64_t>& shape);
   const std::vector<std::int64_t>& integers(const std::string& name,
                                             const std::vector<std::int64_t>& shape) const;

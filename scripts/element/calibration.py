@@ -39,7 +39,7 @@ class Model:
         self._known: dict[bytes, np.ndarray | None] = {}
 
     def misfits(self, points: list[np.ndarray]) -> list[np.ndarray | None]:
-        """At each point the misfits over the ranges of the curves; None: the law has no answer."""
+        """Misfits over the ranges of the curves at each point; None: the law has no answer."""
         new = {z.tobytes(): z for z in points if z.tobytes() not in self._known}
         with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(CORES) as pool:
             jobs = [(z, test, Path(folder) / str(n)) for n, z in enumerate(new.values()) for test in self.plan.tests]
@@ -79,7 +79,7 @@ class Model:
                                for column in test.fitted])
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
-        """By central differences; to one side at a bound and where the law has no answer on the other."""
+        """Derivatives by central differences; to one side at a bound and where the law has no answer on the other."""
         pairs = []
         for k in range(len(z)):
             pairs += [np.clip(z + sign * STEP * np.eye(len(z))[k], 0, 1) for sign in (1, -1)]

@@ -17,7 +17,7 @@ CANNOT_FOLLOW = 3  # exit code: the law or the control does not go on; the table
 
 @dataclass(frozen=True)
 class Soil:
-    """Where a material comes from: a scene of mpm.json, or the blocks themselves."""
+    """Source of a material: a scene of mpm.json, or the blocks themselves."""
 
     scene: Path | None = None
     body: str | None = None

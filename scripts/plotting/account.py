@@ -79,7 +79,7 @@ class Steps:
 
 @dataclass
 class Ledger:
-    """From probes.csv the first, last, lowest and largest value of each column that balances are made of."""
+    """First, last, lowest and largest value of each column of probes.csv that balances are made of."""
 
     first: dict[str, float] = field(default_factory=dict)
     last: dict[str, float] = field(default_factory=dict)

@@ -14,7 +14,7 @@ AXES = "xyz"
 
 
 class Boulders:
-    """Where the surfaces of the boulders are."""
+    """Positions of the surfaces of the boulders."""
 
     def __init__(self, results: Results):
         names = [boulder["name"] for boulder in results.settings("mpm.json").get("boulders", [])]

@@ -50,7 +50,7 @@ def chain(cells: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Profile:
-    """Where the facets lie along the axis over which pressure is drawn, by the first frame.
+    """Positions of the facets along the axis over which pressure is drawn, by the first frame.
 
     edges: of the intervals [m]; interval: of each facet; area: of each facet [m] or [m²];
     corners: of a line [m].

@@ -19,8 +19,8 @@ ROUND_OFF = 1e-9  # of a cell: less of a point over the next cell makes no new c
 class Plan:
     """Square cells over the plan. 2D: a row of cells along x.
 
-    axes: of the scene, those of the plan, one less than its dimension; low: corner of the first cell [m]; cell: its side [m]; shape: number of
-    cells along each axis.
+    axes: of the scene, those of the plan, one less than its dimension; low: corner of the first cell [m]; cell: its
+    side [m]; shape: number of cells along each axis.
     """
 
     axes: tuple[int, ...]
@@ -41,8 +41,8 @@ class Plan:
 class Deposit:
     """Fields over the cells of a plan.
 
-    depth: mass over the density at rest and the area of the cell [m]; opened: what the present volume is more than that,
-    as depth [m], below 0 where soil is compressed; speed: largest |v| [m/s].
+    depth: mass over the density at rest and the area of the cell [m]; opened: what the present volume is more than
+    that, as depth [m], below 0 where soil is compressed; speed: largest |v| [m/s].
     """
 
     plan: Plan
@@ -71,7 +71,8 @@ def extents_of(frame: Frame, axes: tuple[int, ...], series: Series) -> tuple[np.
 
 def make_plan(series: Series, axes: tuple[int, ...], last: int, cell: float | None,
               corner: np.ndarray | float = 0.0) -> Plan:
-    """Cells that hold all soil of the frames 0 to `last`; their corners are multiples of the cell away from `corner` [m].
+    """Cells that hold all soil of the frames 0 to `last`; their corners are multiples of the cell away from `corner`
+    [m].
 
     cell: None: two mean points of the first frame with soil wide.
     """
@@ -172,7 +173,8 @@ def write_tables(deposit: Deposit, out: Path, origin: tuple[float, ...] = (0.0, 
 
     origin: added to the coordinates [m].
     """
-    fields = {"depth": deposit.depth, "opened": deposit.opened, "max_depth": deposit.max_depth, "max_speed": deposit.max_speed}
+    fields = {"depth": deposit.depth, "opened": deposit.opened, "max_depth": deposit.max_depth,
+              "max_speed": deposit.max_speed}
     out.mkdir(parents=True, exist_ok=True)
     plan = deposit.plan
     if len(plan.axes) == 2:

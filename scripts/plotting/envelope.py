@@ -23,7 +23,8 @@ def envelope_rows(results: Results) -> list[list[str]]:
             continue
         low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
         last = values[np.isfinite(values)][-1]
-        rows.append([column, *(f"{number:.10g}" for number in (values[low], times[low], values[high], times[high], last))])
+        rows.append([column,
+                     *(f"{number:.10g}" for number in (values[low], times[low], values[high], times[high], last))])
     return rows
 
 

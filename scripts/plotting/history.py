@@ -222,7 +222,8 @@ def plot_wall_forces(results: Results, out: Path) -> Path | None:
 
 
 def plot_moments(results: Results, out: Path) -> Path | None:
-    """Moment of the soil on each interface and rigid wall against time, a panel a surface: each has a scale of its own."""
+    """Moment of the soil on each interface and rigid wall against time, a panel a surface: each has a scale of its
+    own."""
     surfaces: dict[str, list[tuple[Table, str]]] = {}
     for table in (results.table("steps.csv"), results.table("probes.csv")):
         for name in _of_surfaces(table, MOMENTS):

@@ -89,9 +89,9 @@ def _open_locked(path: Path, operation: int) -> int:
 
 @contextlib.contextmanager
 def writing(folder: Path, script: str, shared: bool = False) -> Iterator[None]:
-    """While this lasts no run moves the folder away, and no second script of this name writes there, but for others of
-    its kind where all are `shared`. A run under way goes on: it writes other files. Raises ResultsError: a run is just
-    beginning there, or the same script is at work."""
+    """Hold a lock: while it lasts no run moves the folder away, and no second script of this name writes there, but for
+    others of its kind where all are `shared`. A run under way goes on: it writes other files. Raises ResultsError: a
+    run is just beginning there, or the same script is at work."""
     if not folder.is_dir():
         raise ResultsError(f"{folder}: no such results folder")
     with contextlib.ExitStack() as stack:

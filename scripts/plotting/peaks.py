@@ -13,8 +13,9 @@ from plotting.results import Frame, Results, ResultsError, Series
 class Peaks:
     """Fields over the cells of a plan, nan where no soil lies or came by.
 
-    depth: of the mass at rest at the last frame [m]; the largest over all frames of: depth, speed of a point [m/s], mean
-    over the volume over a cell of density times speed squared [Pa]; arrival: time of the first frame with soil [s].
+    depth: of the mass at rest at the last frame [m]; the largest over all frames of: depth, speed of a point [m/s],
+    mean over the volume over a cell of density times speed squared [Pa]; arrival: time of the first frame with soil
+    [s].
     """
 
     plan: Plan
@@ -26,11 +27,12 @@ class Peaks:
     arrival: np.ndarray
 
     def fields(self) -> dict[str, np.ndarray]:
-        return {name: getattr(self, name) for name in ("depth", "max_depth", "max_speed", "max_dynamic_pressure", "arrival")}
+        return {name: getattr(self, name)
+                for name in ("depth", "max_depth", "max_speed", "max_dynamic_pressure", "arrival")}
 
 
 def densities(frame: Frame, results: Results, series: Series) -> np.ndarray:
-    """At rest, of the body of each point [kg/m^3]. @raises ResultsError  no settings of the bodies"""
+    """Density at rest of the body of each point [kg/m^3]. @raises ResultsError  no settings of the bodies"""
     bodies = results.settings("mpm.json").get("bodies", [])
     if not bodies:
         raise ResultsError(f"{results.folder}: no resolved_config.json of the soil, which says how dense it is")
@@ -56,7 +58,7 @@ def dynamic_pressure(frame: Frame, plan: Plan, results: Results, series: Series)
 
 
 def find_peaks(results: Results, corner: np.ndarray, cell: float, time: float | None = None) -> Peaks:
-    """Over the frames up to the one nearest to a time [s], None: all; of a run in 3D with gravity along z.
+    """Peaks over the frames up to the one nearest to a time [s], None: all; of a run in 3D with gravity along z.
 
     corner: of any cell, in coordinates of the run [m].
 

@@ -66,7 +66,7 @@ GAUGE_MARK = ".section_flux"  # ends a column that only gauges have
 
 
 def gauge_names(table: Table) -> list[str]:
-    """Such as "soil.toe", in the order of the columns."""
+    """Names of the gauges, such as "soil.toe", in the order of the columns."""
     return [name.removesuffix(GAUGE_MARK) for name in table.names if name.endswith(GAUGE_MARK)]
 
 
@@ -76,8 +76,8 @@ def require_time(option: str, time: float, first: float, last: float) -> None:
     @raises ResultsError  another time
     """
     if not min(first, float(f"{first:.3g}")) <= time <= max(last, float(f"{last:.3g}")):
-        raise ResultsError(f"{option}: found {time:g}, allowed: {first:g} to {last:g} s, the times of the first and the "
-                           "last frame")
+        raise ResultsError(f"{option}: found {time:g}, allowed: {first:g} to {last:g} s, the times of the first and "
+                           "the last frame")
 
 
 @dataclass
@@ -168,7 +168,8 @@ def object_of(path: Path) -> dict | None:
 
 
 def is_completed(summary: dict | None) -> bool:
-    """Whether a summary.json says that its run came to its end. One that does not say so did not, as for the programs."""
+    """Whether a summary.json says that its run came to its end. One that does not say so did not, as for the
+    programs."""
     return summary is not None and summary.get("completed") is True
 
 

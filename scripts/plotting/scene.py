@@ -120,7 +120,8 @@ class ScenePlot:
         self.low, self.high = low - margin, high + margin
 
     def _ground(self, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Triangles in the picture, those behind first, n x 3 x 2 [m], and how bright each is: the more it looks upwards."""
+        """Triangles in the picture, those behind first, n x 3 x 2 [m], and how bright each is: the more it looks
+        upwards."""
         if not len(triangles):
             return np.zeros((0, 3, 2)), np.zeros(0)
         triangles = triangles[self.view.order(triangles.mean(axis=1))]
@@ -129,10 +130,11 @@ class ScenePlot:
         return self.view.project(triangles), 0.6 + 0.4 * level
 
     def _draw_ground(self, axes: Axes) -> None:
-        """Behind all else: from the side it would hide the soil in a gully."""
+        """Draw the ground behind all else: from the side it would hide the soil in a gully."""
         triangles, bright = self.ground
         colours = FLOOR * bright[:, None]
-        axes.add_collection(PolyCollection(triangles, facecolors=colours, edgecolors=colours, linewidths=0.2, rasterized=True))
+        axes.add_collection(PolyCollection(triangles, facecolors=colours, edgecolors=colours, linewidths=0.2,
+                                           rasterized=True))
 
     def _colours(self) -> None:
         if not self.soil:
@@ -178,7 +180,8 @@ class ScenePlot:
 
     def _draw_boulders(self, axes: Axes, time: float) -> None:
         for faces in self.boulders.at(time):
-            axes.add_collection(PolyCollection(self.view.project(faces), facecolor=BOULDER, edgecolor=STRUCTURE, linewidth=0.6))
+            axes.add_collection(PolyCollection(self.view.project(faces), facecolor=BOULDER, edgecolor=STRUCTURE,
+                                               linewidth=0.6))
 
     def draw(self, axes: Axes, time: float) -> PolyCollection | None:
         """Draw the instant nearest to `time`; returns what a colour bar needs."""

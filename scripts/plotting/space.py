@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A scene in space as one sees it: surface of the soil, deformed structures, rigid walls, shaded. No display is needed."""
+"""A scene in space as one sees it: surface of the soil, deformed structures, rigid walls, shaded. No display is
+needed."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +27,7 @@ MAX_FRAMES = 80
 
 @dataclass(frozen=True)
 class Camera:
-    """Where the eye is, far away: unit vectors to the right and upwards in the picture, and towards the eye."""
+    """Direction of view, from far away: unit vectors to the right and upwards in the picture, and towards the eye."""
 
     right: np.ndarray
     up: np.ndarray
@@ -159,12 +160,14 @@ class SpacePlot(ScenePlot):
 
     def _with_ground(self, polygons: list, shaded: np.ndarray, normals: np.ndarray,
                      depths: np.ndarray) -> tuple[list, np.ndarray, np.ndarray, np.ndarray]:
-        """What is drawn, and the ground before it: ground hides what lies behind it by more than the size of its triangles."""
+        """What is drawn, and the ground before it: ground hides what lies behind it by more than the size of its
+        triangles."""
         own = normals_of(self.ground)
         size = np.linalg.norm(self.ground[:, 1] - self.ground[:, 0], axis=1) + np.linalg.norm(
             self.ground[:, 2] - self.ground[:, 0], axis=1)
         behind = self.camera.depth(self.ground.mean(axis=1)) - size
-        return ([*self.ground, *polygons], np.vstack([shade(FLOOR, own, self.camera), shaded]), np.vstack([own, normals]),
+        return ([*self.ground, *polygons], np.vstack([shade(FLOOR, own, self.camera), shaded]),
+                np.vstack([own, normals]),
                 np.concatenate([behind, depths]))
 
     def draw(self, axes: Axes, time: float) -> ScalarMappable | None:
@@ -198,7 +201,8 @@ def plot_space(view: SpacePlot, times: list[float] | None, out: Path) -> Path:
     columns = min(2, len(chosen))
     rows = -(-len(chosen) // columns)
     width = 5.0 * columns
-    figure, axes = plt.subplots(rows, columns, figsize=(width + 0.9, 0.2 + rows * (0.35 + view.height_inch(width / columns) / 0.72)),
+    figure, axes = plt.subplots(rows, columns,
+                                figsize=(width + 0.9, 0.2 + rows * (0.35 + view.height_inch(width / columns) / 0.72)),
                                 squeeze=False)
     soil = None
     for each, time in zip(axes.flat, chosen):

@@ -30,7 +30,8 @@ class Surface:
 
 
 def surface_of(points: np.ndarray, values: np.ndarray, size: float) -> Surface:
-    """Where the density of the points has fallen to LEVEL of that of a lattice with this distance `size` [m].
+    """Surface on which the density of the points has fallen to LEVEL of that of a lattice with this distance `size`
+    [m].
 
     values: one a point.
     """

@@ -84,7 +84,7 @@ def _sparkline(counts: list[int]) -> str:
 
 
 def _shares(steps: list[dict[str, str]]) -> list[str]:
-    """Where the wall time of the steps went, of each participant."""
+    """Wall time of the steps by what it was spent on, of each participant."""
     wall = sum(float(row["wall_seconds"]) for row in steps)
     lines = []
     for column in steps[-1]:

@@ -43,7 +43,7 @@ class View:
         return points[..., [self.across, self.up]]
 
     def order(self, points: np.ndarray) -> np.ndarray:
-        """In which order points (num_points x 3) are drawn: those nearest to the eye last."""
+        """Order in which points (num_points x 3) are drawn: those nearest to the eye last."""
         if self.dim == 2:
             return np.arange(len(points))
         towards_eye = 1 if (self.up - self.across) % 3 == 1 else -1

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is asked of a run first, as numbers: displacements, forces, moments, pressures, run-up, passed mass, stability."""
+"""What is asked of a run first, as numbers: displacements, forces, moments, pressures, run-up, passed mass,
+stability."""
 
 import numpy as np
 
@@ -32,7 +33,8 @@ def peak(time: np.ndarray, values: np.ndarray, unit: str) -> str | None:
 
 
 def displacements(results: Results) -> list[Row]:
-    """Of each probed point of a structure, by component, but for those that are round-off of the largest."""
+    """Displacement of each probed point of a structure, by component; those that are round-off of the largest are left
+    out."""
     table = results.table("probes.csv")
     if table is None or not table.num_rows:
         return []
@@ -66,7 +68,7 @@ def forces(results: Results) -> list[Row]:
 
 
 def base_moments(results: Results) -> list[Row]:
-    """Of what soil does to interfaces, about their feet."""
+    """Moments of the soil's forces on interfaces, about the feet of these."""
     table, unit = results.table("probes.csv"), results.per_metre
     rows = []
     for name, time, moment, foot in moments(results):
@@ -98,7 +100,8 @@ def pressures(results: Results) -> list[Row]:
         frame, row = np.unravel_index(np.nanargmax(face.pressure), face.pressure.shape)
         where = f"{face.surface}, side {face.side}"
         rows.append((f"largest pressure on {where}", f"{number(face.pressure[frame, row], 'Pa')} at a height of "
-                     f"{face.height[row]:.4g} m above its foot at {face.times[frame]:.4g} s (of {len(face.times)} frames)"))
+                     f"{face.height[row]:.4g} m above its foot at {face.times[frame]:.4g} s (of {len(face.times)} "
+                     "frames)"))
         touched = np.flatnonzero((face.pressure > 0).any(axis=0))[-1]
         rows.append((f"run-up on {where}", f"{face.height[touched]:.4g} m above its foot: the highest facets that soil "
                      f"pressed on; the face ends at {face.height[-1]:.4g} m"))
@@ -112,12 +115,14 @@ def gauges(results: Results) -> list[Row]:
     for name in gauge_names(table) if table is not None and table.num_rows else []:
         column = f"{name}.passed_mass"
         if column in table:
-            rows.append((f"passed gauge {name.rpartition('.')[2]}", f"{number(table[column][-1], f'kg{unit}')} until the end"))
+            rows.append((f"passed gauge {name.rpartition('.')[2]}",
+                         f"{number(table[column][-1], f'kg{unit}')} until the end"))
     return rows
 
 
 def stability(results: Results) -> list[Row]:
-    """Of held groups in 2D whose reaction and moment are reported: friction that sliding asks for, place of the resultant."""
+    """Stability of held groups in 2D whose reaction and moment are reported: friction that holds against sliding, place
+    of the resultant."""
     table = results.table("probes.csv")
     if table is None or not table.num_rows or results.dim != 2:
         return []
@@ -144,5 +149,6 @@ def resultant(label: str, time: np.ndarray, slope: np.ndarray, arm: np.ndarray) 
     k, n = int(np.argmax(np.abs(slope))), int(np.argmax(np.abs(arm)))
     return [(f"sliding of {label}", f"needs a friction coefficient of {abs(slope[k]):.4g} at {time[k]:.4g} s, "
              f"{abs(slope[-1]):.4g} at the end"),
-            (f"overturning of {label}", f"resultant {abs(arm[n]):.4g} m from the middle at {time[n]:.4g} s, {abs(arm[-1]):.4g} m "
+            (f"overturning of {label}",
+             f"resultant {abs(arm[n]):.4g} m from the middle at {time[n]:.4g} s, {abs(arm[-1]):.4g} m "
              "at the end; it overturns beyond half the width of the footing, and gapes beyond a sixth of it")]

@@ -66,7 +66,8 @@ def charts(results: Results) -> list[dict[str, Any]]:
     sizes = [float(np.nanmax(np.abs(values), initial=0)) for _, _, values in energies]
     seen = SEEN * max(sizes, default=0.0)
     left_out = [each[0] for each, size in zip(energies, sizes) if size < seen]
-    found.append(chart("energy", f"energies and work [J{unit}]", [each for each, size in zip(energies, sizes) if size >= seen],
+    found.append(chart("energy", f"energies and work [J{unit}]",
+                       [each for each, size in zip(energies, sizes) if size >= seen],
                        **({"hint": f"At zero on this scale: {', '.join(left_out)}."} if left_out else {})))
     return [each for each in found if each["curves"]]
 
@@ -87,7 +88,8 @@ def _pressures(results: Results) -> list[dict[str, Any]]:
         curves = [("largest over the frames", face.height, np.nanmax(face.pressure, axis=0)),
                   (f"at {face.times[k]:.4g} s, of the largest sum", face.height, face.pressure[k]),
                   ("at the end", face.height, face.pressure[-1])]
-        found.append(chart(f"pressure-{face.surface}{face.side}", f"pressure on {face.surface}, side {face.side} [Pa]", curves,
+        found.append(chart(f"pressure-{face.surface}{face.side}", f"pressure on {face.surface}, side {face.side} [Pa]",
+                           curves,
                            label="height above its foot [m]", floor=0))
     return found
 
@@ -148,7 +150,7 @@ def _tells(table: Table, begin: int, end: int) -> bool:
 
 
 def _chosen(table: Table, tries: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """As many as fit, in their order: those that did not converge, the longest, then evenly."""
+    """As many tries as fit, in their order: those that did not converge, the longest, then evenly spread ones."""
     if sum(end - begin for begin, end in tries) <= MAX_ROWS:
         return tries
     first = sorted(range(len(tries)), key=lambda k: (table["status"][tries[k][1] - 1] == "converged",

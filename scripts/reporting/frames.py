@@ -79,11 +79,14 @@ class Packer:
         if not len(triangles):
             return {}
         span = self.scene.high - self.scene.low
-        places = np.round(65535 * (triangles - self.scene.low) / span)  # those beyond the window are cut off by the canvas
-        return {"ground": {"corners": text_of(places.astype("<i4")), "bright": text_of(np.round(255 * bright).astype("u1"))}}
+        # those beyond the window are cut off by the canvas
+        places = np.round(65535 * (triangles - self.scene.low) / span)
+        return {"ground": {"corners": text_of(places.astype("<i4")),
+                           "bright": text_of(np.round(255 * bright).astype("u1"))}}
 
     def _walls(self, times: np.ndarray) -> dict[str, Any]:
-        """Lines of rigid walls and the strokes behind them, x1, y1, x2, y2 of each; which of them stand in each frame."""
+        """Lines of rigid walls and the strokes behind them, x1, y1, x2, y2 of each; which of them stand in each
+        frame."""
         numbers: dict[tuple[str, str], int] = {}  # those at rest are there once
         frames = []
         for time in times:

@@ -9,7 +9,8 @@ SHOWN = {"depth": "depth at the end", "max_depth": "largest depth"}
 
 
 def map_section(folder: Path, problems: list[str]) -> str:
-    """Of the results in a folder; empty: there are no maps, or older ones than the last frame, which is said."""
+    """Section with the maps of the results in a folder; empty: there are no maps, or older ones than the last frame,
+    which is said."""
     paths = {name: folder / "map" / f"{name}.png" for name in SHOWN}
     found = {name: path for name, path in paths.items() if path.is_file()}
     if not found:

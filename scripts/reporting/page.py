@@ -58,7 +58,8 @@ def page(results: Results, other: Results | None = None) -> str:
     return text
 
 
-def _answers(rows: list[tuple[str, str]], beside: list[tuple[str, str]] | None, name: str, other: Results | None) -> str:
+def _answers(rows: list[tuple[str, str]], beside: list[tuple[str, str]] | None, name: str,
+             other: Results | None) -> str:
     """A table; of two runs with a column each, rows of both."""
     if not rows and not beside:
         return "<p>Nothing is reported of a structure, a surface or a gauge so far.</p>"

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Surfaces that soil touches, each by itself: moment about its own foot, pressure over the height of its upright faces."""
+"""Surfaces that soil touches, each by itself: moment about its own foot, pressure over the height of its upright
+faces."""
 
 from dataclasses import dataclass
 
@@ -16,7 +17,8 @@ HEIGHTS = 60  # at most, over which the pressure on a face is given
 
 @dataclass(frozen=True)
 class Loads:
-    """Force and moment of the soil on a surface over time, components x dim and x 1 or 3, the moment about `about` [m]."""
+    """Force and moment of the soil on a surface over time, components x dim and x 1 or 3, the moment about `about`
+    [m]."""
 
     name: str
     time: np.ndarray
@@ -35,13 +37,14 @@ class Loads:
 def moment_places(results: Results) -> dict[str, np.ndarray]:
     """Name of an interface or rigid wall -> the place about which the tables give its moment [m]."""
     origin = [0.0] * results.dim
-    entries = [*results.settings("coupler.json").get("interfaces", []), *results.settings("mpm.json").get("rigid_walls", [])]
+    entries = [*results.settings("coupler.json").get("interfaces", []),
+               *results.settings("mpm.json").get("rigid_walls", [])]
     return {each["name"]: np.array(each.get("moment_about") or origin, dtype=float)[:results.dim]
             for each in entries if "name" in each}
 
 
 def all_loads(results: Results) -> list[Loads]:
-    """Of the interfaces, then of the rigid walls, as far as the tables have force and moment of them."""
+    """Loads of the interfaces, then of the rigid walls, as far as the tables have force and moment of them."""
     dim = results.dim
     turning = ("mz",) if dim == 2 else ("mx", "my", "mz")
     places = moment_places(results)
@@ -130,7 +133,7 @@ def faces_of(name: str, series: Series, dim: int, up: int) -> list[Face]:
 
 
 def touched_faces(results: Results) -> list[Face]:
-    """Of interfaces and rigid walls, those that soil pressed on."""
+    """Faces of interfaces and rigid walls that soil pressed on."""
     up = up_axis(results.dim, results.gravity)
     faces = [face for name, series in results.contacts.items() if len(series)
              for face in faces_of(name, series, results.dim, up)]

@@ -92,7 +92,7 @@ def _peak_at(values: np.ndarray) -> int:
 
 
 def _mean(time: np.ndarray, values: np.ndarray) -> float:
-    """Over time."""
+    """Mean over time."""
     return _integral(time, values) / float(time[-1] - time[0]) if len(time) > 1 else float(values[0])
 
 

@@ -59,7 +59,8 @@ def read_parameter(name: str, reader: PlanReader) -> Parameter:
 
 
 def require_apart(parameters: list[Parameter]) -> None:
-    """In each run a parameter keeps what it sets: none that comes later sets the same, or an object that holds it.
+    """Check that a parameter keeps what it sets in each run: none that comes later sets the same, or an object around
+    it.
 
     @raises PlanError  one does
     """
@@ -118,7 +119,7 @@ def _normal(reader: PlanReader, kind: str) -> Any:
 
 
 def _lognormal(reader: PlanReader, kind: str) -> Any:
-    """By median and deviation of the logarithm, or by mean and coefficient of variation."""
+    """Distribution by median and deviation of the logarithm, or by mean and coefficient of variation."""
     inner = reader.inner(kind, ("median", "log_deviation", "mean", "variation"))
     first = inner.one_of(("median", "mean"))
     if first == "median":

@@ -16,7 +16,7 @@ CONFIDENCE = 0.95
 
 
 def standard_error(values: np.ndarray) -> float:
-    """Of the mean of independent values; NaN of fewer than two."""
+    """Standard error of the mean of independent values; NaN of fewer than two."""
     return float(np.std(values, ddof=1) / np.sqrt(len(values))) if len(values) > 1 else float("nan")
 
 
@@ -79,7 +79,8 @@ class Level:
 
 
 def levels_of(intensity: np.ndarray, exceeded: np.ndarray) -> list[Level]:
-    """By equal intensities where each comes at least twice on average, else in GROUPS of as many runs each."""
+    """Runs grouped by equal intensities where each comes at least twice on average, else in GROUPS of as many runs
+    each."""
     values = np.unique(intensity)
     order = np.argsort(intensity, kind="stable")
     if 2 * len(values) <= len(intensity):
@@ -101,7 +102,7 @@ class Fit:
 
 
 def fit_fragility(intensity: np.ndarray, exceeded: np.ndarray) -> Fit | str:
-    """By maximum likelihood (Baker 2015, doi:10.1193/021113EQS025M), or why the runs do not say it."""
+    """Fit by maximum likelihood (Baker 2015, doi:10.1193/021113EQS025M), or the reason why the runs allow none."""
     if exceeded.all() or not exceeded.any():
         return f"the demand exceeds the capacity in {'all' if exceeded.all() else 'no'} runs"
     if intensity.min() <= 0:
@@ -137,7 +138,7 @@ class Band:
 
 
 def band_of(curves: list[Curve]) -> Band:
-    """Over the times that all curves have."""
+    """Band of the curves over the times that all of them have."""
     first = max(curve.time[0] for curve in curves)
     ends = min(curve.time[-1] for curve in curves), max(curve.time[-1] for curve in curves)
     time = np.linspace(first, ends[0], SAMPLES)

@@ -138,7 +138,7 @@ class Study:
         return head, rows
 
     def values(self, name: str) -> np.ndarray:
-        """Of a parameter or an answer in all runs, NaN where there is none; [num_runs]."""
+        """Values of a parameter or an answer in all runs, NaN where there is none; [num_runs]."""
         return np.array([float(outcome.case.values.get(name, outcome.answers.get(name, math.nan)))
                          for outcome in self.outcomes])
 

@@ -19,7 +19,8 @@ def of_material(where: str, material: dict) -> list[str]:
     for key, (low, high, unit) in SOILS.items():
         value = material.get(key, 0)
         if isinstance(value, (int, float)) and value and not low <= value <= high:
-            lines.append(f"warning: {where}/material/{key}: found {value:g}, taken as {unit}; plausible: {low:g} to {high:g}")
+            lines.append(f"warning: {where}/material/{key}: found {value:g}, taken as {unit}; plausible: {low:g} to "
+                         f"{high:g}")
     return lines
 
 
@@ -30,9 +31,11 @@ def of_sizes(plan: Plan) -> list[str]:
         lines.append(f"warning: ground: {right - left:g} m long; lengths are metres, not millimetres")
     steep = float(np.abs(plan.ground.slopes()).max())
     if steep > STEEP:
-        lines.append(f"warning: ground: falls by {np.degrees(np.arctan(steep)):.0f} degrees at most, plausible: up to 60")
+        lines.append(f"warning: ground: falls by {np.degrees(np.arctan(steep)):.0f} degrees at most, plausible: up to "
+                     "60")
     if plan.friction > 1.5:
-        lines.append(f"warning: friction: found {plan.friction:g}, a coefficient, the tangent of an angle; plausible: up to 1.5")
+        lines.append(f"warning: friction: found {plan.friction:g}, a coefficient, the tangent of an angle; plausible: "
+                     "up to 1.5")
     if plan.wall is not None and plan.wall.height > 50:
         lines.append(f"warning: wall/height: found {plan.wall.height:g} m, plausible: up to 50")
     return lines
@@ -47,5 +50,6 @@ def warnings_of(plan: Plan, masses: list[Mass]) -> list[str]:
     for mass in masses:
         cells = mass.deepest / plan.cell_size
         if cells < 2:
-            lines.append(f"warning: {mass.name} is {cells:.2g} cells deep at most: soil shears within itself from two cells on")
+            lines.append(f"warning: {mass.name} is {cells:.2g} cells deep at most: soil shears within itself from two "
+                         "cells on")
     return lines

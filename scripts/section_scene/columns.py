@@ -52,7 +52,7 @@ def holes(plan: Plan) -> list[tuple[float, float, float, float]]:
 
 
 def lowest_ground(plan: Plan) -> float:
-    """Under the wall and its footing [m]."""
+    """Lowest ground under the wall and its footing [m]."""
     left, right = plan.wall.reach()
     inner = plan.ground.x[(plan.ground.x > left) & (plan.ground.x < right)]
     return float(plan.ground.at(np.array([left, *inner, right])).min())
@@ -63,7 +63,8 @@ def underside(plan: Plan) -> float:
 
 
 def column_sides(plan: Plan) -> np.ndarray:
-    """Places between which every line is straight, no two cross and the wall has no face; columns at most a cell wide."""
+    """Places between which every line is straight, no two cross and the wall has no face; columns at most a cell
+    wide."""
     h, ends = plan.cell_size, plan.ends()
     lines = boundaries(plan)
     rims = [[v for left, right, _, _ in holes(plan) for v in (left, right)]]
@@ -82,12 +83,14 @@ def column_sides(plan: Plan) -> np.ndarray:
 
 
 def bounds_in(plan: Plan, x: np.ndarray) -> np.ndarray:
-    """Heights of the boundaries on both sides of each column, boundary x column x 2: no layer reaches into the one above it."""
+    """Heights of the boundaries on both sides of each column, boundary x column x 2: no layer reaches into the one
+    above it."""
     both = np.stack([x[:-1], x[1:]], axis=-1)
     return np.minimum.accumulate(np.array([line.at(both) for line in boundaries(plan)]), axis=0)
 
 
-def pieces_of(low: np.ndarray, high: np.ndarray, inside: list[tuple[float, float]]) -> list[tuple[np.ndarray, np.ndarray]]:
+def pieces_of(low: np.ndarray, high: np.ndarray,
+              inside: list[tuple[float, float]]) -> list[tuple[np.ndarray, np.ndarray]]:
     """Bottom and top, on both sides, of what is left of a column without the parts between two heights."""
     parts = [(low, high)]
     for bottom, top in inside:
@@ -118,7 +121,8 @@ def fill(name: str, columns: list[tuple[float, float, np.ndarray, np.ndarray]], 
         cells.append(row + np.array([0, 1, 3, 2]))
         first += 2 * (count + 1)
         if first > 2 * MOST_CELLS:
-            raise TerrainError(f"{name}: found more than {MOST_CELLS} cells, allowed: a larger cell_size, {h:g} m is given")
+            raise TerrainError(f"{name}: found more than {MOST_CELLS} cells, allowed: a larger cell_size, {h:g} m is "
+                               "given")
     if not cells:
         raise TerrainError(f"{name}: found no part of it between the lines around it, allowed: a mass with an area")
     return Mass(name, np.concatenate(nodes), np.concatenate(cells), float(area), deepest)

@@ -27,7 +27,7 @@ class Line:
         return Line(self.x + way[0], self.z + way[1])
 
     def slopes(self) -> np.ndarray:
-        """Of its pieces."""
+        """Slopes of the pieces of the line [-]."""
         return np.diff(self.z) / np.diff(self.x)
 
 
@@ -42,11 +42,11 @@ def line_of(rows: np.ndarray, where: str) -> Line:
         if x == 0 and z == 0:
             raise TerrainError(f"{found}, the point before it again, allowed: points that differ")
         if x == 0:
-            raise TerrainError(f"{found}, upright above or below the point before it, allowed: x that grows; give a step a "
-                               "width, such as a tenth of a cell")
+            raise TerrainError(f"{found}, upright above or below the point before it, allowed: x that grows; give a "
+                               "step a width, such as a tenth of a cell")
         if x < 0:
-            raise TerrainError(f"{found}: the line folds back there, allowed: x that grows from point to point; the flow may go "
-                               "either way")
+            raise TerrainError(f"{found}: the line folds back there, allowed: x that grows from point to point; the "
+                               "flow may go either way")
     return Line(rows[:, 0], rows[:, 1])
 
 
@@ -54,8 +54,9 @@ def require_across(line: Line, ends: tuple[float, float], where: str) -> Line:
     """@raises TerrainError  a gap between its ends and those of the ground"""
     for low, high in ((ends[0], line.x[0]), (line.x[-1], ends[1])):
         if low < high:
-            raise TerrainError(f"{where}: found a gap from x = {low:.9g} to {high:.9g}, allowed: a line along all of the ground, "
-                               f"from {ends[0]:.9g} to {ends[1]:.9g}; it ends a layer where it rises above the ground")
+            raise TerrainError(f"{where}: found a gap from x = {low:.9g} to {high:.9g}, allowed: a line along all of "
+                               f"the ground, from {ends[0]:.9g} to {ends[1]:.9g}; it ends a layer where it rises above "
+                               "the ground")
     return line
 
 

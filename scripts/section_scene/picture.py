@@ -30,10 +30,12 @@ def draw(made: Made, path: Path) -> Path:
         axes.add_collection(PolyCollection(made.wall.nodes[made.wall.cells] + made.origin, facecolors=STRUCTURE,
                                            edgecolors="#FFFFFF60", linewidths=0.2, label="wall"))
     if plan.table is not None:
-        axes.plot([x + x0 for x in plan.ends()], [plan.table + z0] * 2, color=COLOURS[0], linestyle="-.", label="water table")
+        axes.plot([x + x0 for x in plan.ends()], [plan.table + z0] * 2, color=COLOURS[0], linestyle="-.",
+                  label="water table")
     for gauge, colour in zip(plan.gauges, cycle(COLOURS[2:])):
         foot = float(plan.ground.at(gauge.at)) + z0
-        axes.plot([gauge.at + x0] * 2, [foot, foot + gauge.height], color=colour, linestyle="--", label=f"gauge {gauge.name}")
+        axes.plot([gauge.at + x0] * 2, [foot, foot + gauge.height], color=colour, linestyle="--",
+                  label=f"gauge {gauge.name}")
     axes.set(xlabel="x [m]", ylabel="z [m]", aspect="equal", xlim=[x + x0 for x in plan.ends()],
              ylim=(bottom, bottom + made.cells[1] * plan.cell_size))
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=4)

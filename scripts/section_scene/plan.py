@@ -50,7 +50,8 @@ class Footing:
 
 @dataclass
 class Wall:
-    """Upright, its left face at `at`, its crest `height` above the lowest ground under it, its underside `depth` below."""
+    """Upright, its left face at `at`, its crest `height` above the lowest ground under it, its underside `depth`
+    below."""
 
     at: float
     height: float
@@ -104,7 +105,8 @@ def read_layers(reader: Reader, ground: Line, notes: list[str]) -> list[Layer]:
         name = "_".join(each.text("name", "a name").split())
         if name in ("slide", *(layer.name for layer in layers)):
             raise TerrainError(f"{each.where}/name: found {name}, which another mass has, allowed: a name of its own")
-        k0 = each.values.get("k0", "jaky" if "material" not in each.values or "friction_angle" in each.values["material"]
+        k0 = each.values.get("k0",
+                             "jaky" if "material" not in each.values or "friction_angle" in each.values["material"]
                              else "elastic")
         if k0 not in ("jaky", "elastic"):
             k0 = each.number("k0", True)
@@ -126,7 +128,8 @@ def read_velocity(reader: Reader) -> list[float] | None:
 def read_slide(reader: Reader, ground: Line, notes: list[str]) -> Slide:
     """Its top: rows [x, z], or a depth between two places."""
     if ("surface" in reader.values) == ("depth" in reader.values):
-        raise TerrainError(f"{reader.where}: allowed: exactly one of surface (rows [x, z]) and depth (with from and to)")
+        raise TerrainError(f"{reader.where}: allowed: exactly one of surface (rows [x, z]) and depth (with from and "
+                           "to)")
     if "surface" in reader.values:
         for key in ("from", "to"):
             if key in reader.values:
@@ -140,15 +143,17 @@ def read_slide(reader: Reader, ground: Line, notes: list[str]) -> Slide:
         x = np.array([left, *inner, right])
         top = Line(x, ground.at(x) + reader.number("depth"))
     if top.x[0] < ground.x[0] or top.x[-1] > ground.x[-1]:
-        raise TerrainError(f"{reader.where}: found a mass from x = {top.x[0]:.9g} to {top.x[-1]:.9g}, allowed: inside the ground, "
-                           f"from {ground.x[0]:.9g} to {ground.x[-1]:.9g}")
+        raise TerrainError(f"{reader.where}: found a mass from x = {top.x[0]:.9g} to {top.x[-1]:.9g}, allowed: inside "
+                           f"the ground, from {ground.x[0]:.9g} to {ground.x[-1]:.9g}")
     return Slide(top, material_of(reader, SOIL, notes), read_velocity(reader))
 
 
 def read_footing(reader: Reader, thickness: float) -> Footing:
     footing = Footing(reader.number("width"), reader.number("thickness"), reader.number("before", True))
     if footing.before + thickness > footing.width:
-        raise reader.fail("width", f"at least before and the wall's thickness, {footing.before + thickness:.9g}: the wall stands "
+        raise reader.fail("width",
+                          f"at least before and the wall's thickness, {footing.before + thickness:.9g}: the wall "
+                          "stands "
                                    "on its footing")
     return footing
 
@@ -165,14 +170,16 @@ def read_wall(reader: Reader, ground: Line, plan: tuple[float, float, bool], not
     else:
         depth = cell_size if footing is None else footing.thickness
     if footing is not None and depth < footing.thickness:
-        raise reader.fail("depth", f"at least the thickness of the footing, {footing.thickness:.9g}: it lies in the ground")
-    wall = Wall(reader.real("at", "the place x of its left face [m]"), reader.number("height"), thickness, depth, footing,
+        raise reader.fail("depth",
+                          f"at least the thickness of the footing, {footing.thickness:.9g}: it lies in the ground")
+    wall = Wall(reader.real("at", "the place x of its left face [m]"), reader.number("height"), thickness, depth,
+                footing,
                 material_of(reader, CONCRETE, notes),
                 reader.number("friction", True) if "friction" in reader.values else friction)
     left, right = wall.reach()
     if not ground.x[0] < left or not right < ground.x[-1]:
-        raise TerrainError(f"{reader.where}: found a wall from x = {left:.9g} to {right:.9g}, allowed: inside the ground, from "
-                           f"{ground.x[0]:.9g} to {ground.x[-1]:.9g}")
+        raise TerrainError(f"{reader.where}: found a wall from x = {left:.9g} to {right:.9g}, allowed: inside the "
+                           f"ground, from {ground.x[0]:.9g} to {ground.x[-1]:.9g}")
     say_thin(reader.where, thickness, cell_size, notes)
     return wall
 
@@ -184,8 +191,8 @@ def read_gauges(reader: Reader, ground: Line) -> list[Gauge]:
         if gauge.name in [other.name for other in gauges[:k]]:
             raise TerrainError(f"{reader.where}/gauges/{k}/name: found {gauge.name} twice, allowed: one each")
         if not ground.x[0] <= gauge.at <= ground.x[-1]:
-            raise TerrainError(f"{reader.where}/gauges/{k}/at: found {gauge.at:.9g}, allowed: from {ground.x[0]:.9g} to "
-                               f"{ground.x[-1]:.9g}")
+            raise TerrainError(f"{reader.where}/gauges/{k}/at: found {gauge.at:.9g}, allowed: from {ground.x[0]:.9g} "
+                               f"to {ground.x[-1]:.9g}")
     return gauges
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From the plan of a section to the folder of a scene."""
+"""Write the folder of a scene from the plan of a section."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -57,12 +57,13 @@ def require_start(plan: Plan, geostatic: bool) -> None:
     reason = ("time/settle" if plan.settle else "a slide, which starts free of stress" if plan.slide is not None
               else "layers whose tops are not level")
     if plan.table is not None and not geostatic:
-        raise TerrainError(f"water/table: found a water table and {reason}, allowed: layers with level tops alone; pore water "
-                           "that cannot drain starts from geostatic stress, else it would carry the weight of the soil, which "
-                           "would have no strength")
+        raise TerrainError(f"water/table: found a water table and {reason}, allowed: layers with level tops alone; "
+                           "pore water that cannot drain starts from geostatic stress, else it would carry the weight "
+                           "of the soil, which would have no strength")
     if plan.layers and not geostatic and not plan.settle:
-        plan.notes.append(f"warning: the layers start free of stress, beside {reason}: their weight comes at once, and they "
-                          "oscillate; time/settle lets it come gradually, advised: several periods 4 H / wave speed")
+        plan.notes.append(f"warning: the layers start free of stress, beside {reason}: their weight comes at once, and "
+                          "they oscillate; time/settle lets it come gradually, advised: several periods 4 H / wave "
+                          "speed")
 
 
 def make(given: Plan) -> Made:
@@ -76,7 +77,8 @@ def make(given: Plan) -> Made:
     require_start(plan, heights is not None)
     stress = [] if heights is None else [initial_stress(plan, layer, heights) for layer in plan.layers]
     h = plan.cell_size
-    tops = [mass.nodes[:, 1].max() for mass in masses] + [plan.ground.z.max()] + ([] if wall is None else [wall.crest[1]])
+    tops = [mass.nodes[:, 1].max() for mass in masses] + [plan.ground.z.max()] + ([] if wall is None
+                                                                                  else [wall.crest[1]])
     low = np.array([plan.ends()[0], h * (np.floor(base.z.min() / h) - 1)])
     size = np.array([plan.ends()[1], max(tops) + plan.clear_height]) - low
     count = np.ceil(size / h - 1e-9).astype(int)
@@ -107,7 +109,8 @@ def rigid_walls(made: Made) -> list[dict]:
         x, z = corners[-1 if k == 0 else 0]
         if plan.ground.z[k] - z > 1e-9 * plan.cell_size:
             line = [[x, z], [x, float(top)]]
-            walls.append({"name": name, "surface": {"polyline": line if k == 0 else line[::-1], "spacing": plan.cell_size / 2},
+            walls.append({"name": name,
+                          "surface": {"polyline": line if k == 0 else line[::-1], "spacing": plan.cell_size / 2},
                           "mode": "slip"})
     return walls
 
@@ -118,7 +121,8 @@ def soil_settings(made: Made) -> dict:
     settings = {
         "dimension": 2,
         "origin": [float(v) for v in made.origin],
-        "grid": {"box": {"low": [float(v) for v in made.low], "high": [float(v) for v in high], "cells": list(made.cells),
+        "grid": {"box": {"low": [float(v) for v in made.low], "high": [float(v) for v in high],
+                         "cells": list(made.cells),
                          "type": "quad4"}},
         "gravity": [0, -GRAVITY],
         "outside": "remove",
@@ -142,7 +146,7 @@ def soil_settings(made: Made) -> dict:
 
 
 def wet_groups(made: Made) -> list[str]:
-    """Of the wall's facets those that soil can touch: the underside too where soil lies below it."""
+    """Groups of the wall's facets that soil can touch: the underside too where soil lies below it."""
     left, right = made.plan.wall.reach()
     below = made.base.at(np.linspace(left, right, 33)).min()
     return ["faces", "foot"] if below < made.wall.middle[1] - 1e-9 * made.plan.cell_size else ["faces"]
@@ -163,7 +167,7 @@ def structure_settings(made: Made) -> dict:
 
 
 def weight_of(made: Made) -> float:
-    """Of all soil [N/m]."""
+    """Weight of all soil [N/m]."""
     return GRAVITY * sum(mass.area * body["material"]["density"] for mass, body in zip(made.masses, bodies(made)))
 
 
@@ -177,7 +181,8 @@ def write_scene(made: Made, folder: Path) -> list[str]:
         write_cells(mass.nodes, mass.cells, folder / f"{mass.name}.msh")
         lines.append(f"{mass.name}: {mass.area:.8g} m^2, {len(mass.cells)} cells, {4 * len(mass.cells)} points")
     write_json(folder / "mpm.json", soil_settings(made))
-    lines.append(f"grid: {made.cells[0]} x {made.cells[1]} = {made.cells[0] * made.cells[1]} cells of {made.plan.cell_size:g} m")
+    lines.append(f"grid: {made.cells[0]} x {made.cells[1]} = {made.cells[0] * made.cells[1]} cells of "
+                 f"{made.plan.cell_size:g} m")
     if made.stress:
         lines.append("the layers start with the stress of level ground (initial_stress)")
     if made.wall is not None:

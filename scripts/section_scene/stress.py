@@ -11,7 +11,8 @@ WATER_DENSITY = 1000.0  # [kg/m^3], that of the soil's `water` too
 
 
 def table_below_ground(plan: Plan, origin: float) -> None:
-    """origin: what the heights are less of [m]. @raises TerrainError  water stands above the ground or needs a porosity"""
+    """origin: what the heights are less of [m]. @raises TerrainError  water stands above the ground or needs a
+    porosity"""
     if plan.table is None:
         return
     lowest = float(plan.ground.z.min())
@@ -20,14 +21,15 @@ def table_below_ground(plan: Plan, origin: float) -> None:
                            f"{lowest + origin:.9g} m, allowed: at most that; a pool on the ground is not simulated")
     for k, layer in enumerate(plan.layers):
         if layer.porosity is None and layer.bottom.z.min() < plan.table:
-            raise TerrainError(f"layers/{k}/porosity: found nothing, allowed: a number > 0 and < 1 for {layer.name}, which lies "
-                               "below the water table; its density is then that of the saturated soil")
+            raise TerrainError(f"layers/{k}/porosity: found nothing, allowed: a number > 0 and < 1 for {layer.name}, "
+                               "which lies below the water table; its density is then that of the saturated soil")
         if layer.porosity is not None and layer.porosity >= 1:
             raise TerrainError(f"layers/{k}/porosity: found {layer.porosity:g}, allowed: a number > 0 and < 1")
 
 
 def level_heights(plan: Plan) -> list[float] | None:
-    """Heights of the tops of the layers; None: one is not level where the layer is, or does not lie below the one before it."""
+    """Heights of the tops of the layers; None: one is not level where the layer is, or does not lie below the one
+    before it."""
     zero = 1e-9 * plan.cell_size
     bounds = bounds_in(plan, column_sides(plan))
     heights = []
@@ -40,7 +42,7 @@ def level_heights(plan: Plan) -> list[float] | None:
 
 
 def density_above(layer: Layer) -> float:
-    """Without the water in its pores, where it has any."""
+    """Density of the layer above water, without that in its pores [kg/m^3]."""
     return layer.material["density"] - (layer.porosity or 0.0) * WATER_DENSITY
 
 
@@ -68,6 +70,7 @@ def initial_stress(plan: Plan, layer: Layer, heights: list[float]) -> dict:
     if not wet:
         return {"initial_stress": stress}
     if surface < plan.table:
-        raise TerrainError(f"layers: found {layer.name} under lighter soil whose weight its own density would have up to "
-                           f"{plan.table - surface:.3g} m below the water table, allowed: a lower table, or layers of like density")
+        raise TerrainError(f"layers: found {layer.name} under lighter soil whose weight its own density would have up "
+                           f"to {plan.table - surface:.3g} m below the water table, allowed: a lower table, or layers "
+                           "of like density")
     return {"water": {"porosity": layer.porosity}, "initial_stress": stress | {"water_table": plan.table}}

@@ -61,7 +61,8 @@ def build_wall(plan: Plan, base: Line) -> WallMesh:
     cells = np.stack([number[i, j], number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]], axis=-1)
     upright = np.argwhere(inside[:-1, 1:-1] != inside[1:, 1:-1])
     flat = np.argwhere(inside[1:-1, :-1] != inside[1:-1, 1:])
-    facets = np.concatenate([np.stack([number[upright[:, 0], upright[:, 1]], number[upright[:, 0], upright[:, 1] + 1]], axis=-1),
+    facets = np.concatenate([np.stack([number[upright[:, 0], upright[:, 1]], number[upright[:, 0], upright[:, 1] + 1]],
+                                      axis=-1),
                              np.stack([number[flat[:, 0], flat[:, 1]], number[flat[:, 0] + 1, flat[:, 1]]], axis=-1)])
     nodes = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
     buried = nodes[:, 1] <= base.at(nodes[:, 0]) + 1e-9 * plan.cell_size
@@ -71,5 +72,6 @@ def build_wall(plan: Plan, base: Line) -> WallMesh:
     place_of = np.full(len(nodes), -1)
     place_of[used] = np.arange(len(used))
     wall, (left, right) = plan.wall, plan.wall.reach()
-    return WallMesh(nodes[used], place.reshape(cells.shape), {"foot": place_of[facets[foot]], "faces": place_of[facets[~foot]]},
+    return WallMesh(nodes[used], place.reshape(cells.shape),
+                    {"foot": place_of[facets[foot]], "faces": place_of[facets[~foot]]},
                     np.array([wall.at + wall.thickness / 2, z[-1]]), np.array([(left + right) / 2, underside(plan)]))

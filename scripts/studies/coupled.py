@@ -33,7 +33,8 @@ def step_size(dt: float) -> list[str]:
     return [f"coupler.json:/time/dt={dt:g}", f"coupler.json:/time/dt_min={dt / 64:g}"]
 
 
-ANSWER = ["peak of A [mm]", "residual displacement of A [mm]", "force at rest [N/m]", f"impulse to {IMPACT_END:g} s [N s/m]",
+ANSWER = ["peak of A [mm]", "residual displacement of A [mm]", "force at rest [N/m]",
+          f"impulse to {IMPACT_END:g} s [N s/m]",
           "impulse [N s/m]"]
 ANSWER_NAMES = [name.partition(" [")[0] for name in ANSWER]  # without units
 

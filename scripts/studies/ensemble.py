@@ -62,7 +62,7 @@ def error(values) -> float:
 
 
 def mean_and_error(values) -> str:
-    """Such as "20.36 ± 0.15": two digits of the standard error, no more of the mean."""
+    """Mean and standard error, such as "20.36 ± 0.15": two digits of the standard error, no more of the mean."""
     of_mean = error(values)
     digits = max(0, 1 - int(np.floor(np.log10(of_mean)))) if of_mean > 0 else 4
     return f"{np.mean(values):.{digits}f} ± {of_mean:.{digits}f}"

@@ -79,5 +79,5 @@ def identity_of(scene: Path, words: list[str], settings: list[str]) -> str:
 
 @lru_cache(maxsize=None)
 def _hash_of(path: Path, changed: int, size: int) -> str:
-    """Of the content; read once as long as the file stays as it is."""
+    """Hash of the content, which is read once as long as the file stays as it is."""
     return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -48,7 +48,8 @@ def scene(basis: str, remedy: str, cell: str) -> dict:
 
     material = json.loads(MATERIAL.read_text(encoding="utf-8"))["bodies"][0]["material"]
     return {
-        "dimension": len(gravity), "grid": mesh(*grid), "basis": basis, "locking": {"method": remedy}, "gravity": gravity,
+        "dimension": len(gravity), "grid": mesh(*grid), "basis": basis, "locking": {"method": remedy},
+        "gravity": gravity,
         "walls": [{"group": wall, "condition": "slip" if wall in ("front", "back") else "fixed"} for wall in walls],
         "bodies": [{"name": "soil", "mesh": mesh(*box), "points_per_cell": points, "material": material}],
         "time": {"end": 1, "dt": dt, "dt_min": dt / 64}, "output": {"interval": 1},

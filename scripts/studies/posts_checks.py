@@ -32,8 +32,8 @@ class Post:
 
 
 def height_of_force(along: float, up: float, moment: float, place: float) -> float:
-    """Where a force bends an upright axis as it does [m]. @param moment  about y at the origin [N m]; place: x of the
-    axis [m]"""
+    """Height at which a force has this moment about an upright axis [m]. @param moment  about y at the origin [N m];
+    place: x of the axis [m]"""
     return (moment + place * up) / along
 
 

@@ -84,7 +84,8 @@ def mpirun(ranks: int) -> list[str]:
 
 def launch(folder: Path, settings: dict, ranks: int, restart: Path | None = None) -> Path:
     """Run on so many ranks, from the last checkpoint of other results if given; returns the results."""
-    command = [*mpirun(ranks), "-x", f"LD_PRELOAD={COUNTER}", SOLVER, "--log-level", "warn", *([] if restart is None else ["--restart", restart])]
+    command = [*mpirun(ranks), "-x", f"LD_PRELOAD={COUNTER}", SOLVER, "--log-level", "warn",
+               *([] if restart is None else ["--restart", restart])]
     solve(folder, settings, command, THREADS)
     return folder / "out"
 
@@ -112,8 +113,10 @@ def count_of(out: Path) -> Count:
     return count
 
 
-HEAD = ["ranks", "time of one by this", "Newton a step", "linear a Newton", "memory by that of one", "largest part by mean",
-        "neighbours", "messages an iteration", "messages a step", "kB an iteration", "kB a step", "collectives an iteration",
+HEAD = ["ranks", "time of one by this", "Newton a step", "linear a Newton", "memory by that of one",
+        "largest part by mean",
+        "neighbours", "messages an iteration", "messages a step", "kB an iteration", "kB a step",
+        "collectives an iteration",
         "waiting"]
 
 
@@ -127,7 +130,8 @@ def row(ranks: int, count: Count, one: Count) -> list:
 
 
 def faces(ranks: int, dimension: int) -> float:
-    """Mean number of sides that a part shares with others, in a cube of equal cubes; of 2^dimension parts: dimension."""
+    """Mean number of sides that a part shares with others, in a cube of equal cubes; of 2^dimension parts:
+    dimension."""
     return 2 * dimension * (1 - ranks ** (-1 / dimension))
 
 
@@ -150,7 +154,8 @@ def modelled(one: Count, many: Count, ranks: tuple[int, int], dimension: int, fa
     return [computing, messages * LATENCY, size / BANDWIDTH, collectives * LATENCY]
 
 
-MODEL_HEAD = ["soil", "points", "ranks", "an iteration [ms]", "computing", "messages", "bytes", "collectives", "faster than one",
+MODEL_HEAD = ["soil", "points", "ranks", "an iteration [ms]", "computing", "messages", "bytes", "collectives",
+              "faster than one",
               "efficiency"]
 
 

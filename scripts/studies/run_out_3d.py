@@ -94,7 +94,8 @@ class Deposit:
 
 
 def fronts(x: np.ndarray, y: np.ndarray, spacing: float, inside: float) -> np.ndarray:
-    """inside: soil within this radius counts as connected [m]. Radius at which the connected deposit ends, in each sector of the quarter [m]."""
+    """inside: soil within this radius counts as connected [m]. Radius at which the connected deposit ends, in each
+    sector of the quarter [m]."""
     r, sector = np.hypot(x, y), np.minimum(np.arctan2(y, x) / (0.5 * np.pi) * SECTORS, SECTORS - 1).astype(int)
     found = []
     for k in range(SECTORS):
@@ -189,7 +190,8 @@ def draw_laws(runner: Runner, found: dict[int, np.ndarray]) -> None:
             axes.loglog(rows[:, 0], rows[:, column], marker, color=COLOURS[1], label=f"{cells} cells a radius")
         axes.set_ylabel(name)
     cone = a[(a > 0.74) & (a < 3)]
-    panels[0].loglog(cone, [cone_law(value) for value in cone], "--", color=COLOURS[2], label="cone of Lajeunesse's height")
+    panels[0].loglog(cone, [cone_law(value) for value in cone], "--", color=COLOURS[2],
+                     label="cone of Lajeunesse's height")
     for axes in panels:
         legend_beside(axes)
     panels[-1].set_xlabel("a = initial height by radius")

@@ -69,7 +69,8 @@ def run(folder: Path, settings: dict, reuse: bool) -> Run:
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode != 0:
-        raise ResultsError(f"{folder.name}: exit code {process.returncode}\n{(folder / 'log').read_text(encoding='utf-8')}")
+        raise ResultsError(f"{folder.name}: exit code {process.returncode}\n"
+                           f"{(folder / 'log').read_text(encoding='utf-8')}")
     megabytes = usage.ru_maxrss / 1024
     memory.write_text(json.dumps(megabytes), encoding="utf-8")
     return Run(Results(folder / "out"), megabytes)
@@ -103,7 +104,8 @@ def solvers(runner: Runner) -> None:
                 for method, linear in METHODS.items():
                     if not tried(method, cells, regime):
                         continue
-                    label = "_".join([shape.split(",")[0], str(cells[0]), regime.split(",")[0], method.replace(" + ", "_")])
+                    label = "_".join([shape.split(",")[0], str(cells[0]), regime.split(",")[0],
+                                      method.replace(" + ", "_")])
                     print(f"{label}: running", flush=True)
                     found = run(runner.folder / label, scene(cells, regime, linear), runner.reuse)
                     rows.append(row(shape, regime, method, found))

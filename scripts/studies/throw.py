@@ -40,7 +40,7 @@ class Throw:
 SOIL = {"law": "mohr_coulomb", "density": 2650, "young_modulus": 840e3, "poisson_ratio": 0.3,
         "friction_angle": 19.8}
 
-# For each factor the values to which it alone is varied; the sample takes the same ranges.
+# Values to which each factor alone is varied; the sample takes the same ranges.
 LEVELS = {
     "density": (11, 110, 11000), "young": (1e4, 1e5, 1e7, 1e8, 1e9), "thickness": (1e-3, 2.5e-3, 5e-3, 2e-2),
     "friction": (0, 0.1, 1), "dt": (5e-5, 2e-4, 2e-3, 5e-3), "penalty": (0.1, 1, 100, 1000), "points": (0, 2, 3),
@@ -114,7 +114,7 @@ def settings_of(throw: Throw) -> list[str]:
     """Everything that counts; the scene gives the frame only."""
     cell = FORMS[throw.form]
     low = -throw.shift * H
-    # Beyond the grid: nothing gets round it.
+    # The wall ends beyond the grid: nothing gets round it.
     wall = box((FACE, -H), (FACE + throw.thickness, 0.16 + H), (2, 36), "quad4")
     left = FACE - GAP - SIDE
     time = {"end": throw.end, "dt": throw.dt, "dt_min": throw.dt / 256}

@@ -7,7 +7,10 @@ from .raster import TerrainError
 
 
 def read_changes(texts: list[str]) -> dict:
-    """Of texts such as barrier/height=8: keys joined by /, a JSON value; what is no JSON is a text. @raises TerrainError"""
+    """Changes from texts such as barrier/height=8: keys joined by /, a JSON value; what is no JSON is a text.
+
+    @raises TerrainError  the text has no such form
+    """
     values: dict = {}
     for text in texts:
         key, equals, value = text.partition("=")

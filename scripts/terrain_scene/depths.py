@@ -70,7 +70,8 @@ class CellDepths:
 
 @dataclass
 class Mass:
-    """Depth of the mass: of a raster, or one depth for each outline (cells: None); inside the outlines, None: everywhere.
+    """Depth of the mass: of a raster, or one depth for each outline (cells: None); inside the outlines, None:
+    everywhere.
 
     stretch: upright depth over the given one, where that is measured across the slope; None: it is upright.
     """
@@ -103,13 +104,15 @@ class Mass:
             return self.cells.volume()
         rows, columns = self.cells.values.shape
         ticks = (np.arange(max(rows, columns) * SAMPLES) + 0.5) * self.cells.spacing / SAMPLES
-        x, y = np.meshgrid(self.cells.corner[0] + ticks[:columns * SAMPLES], self.cells.corner[1] + ticks[:rows * SAMPLES])
+        x, y = np.meshgrid(self.cells.corner[0] + ticks[:columns * SAMPLES],
+                           self.cells.corner[1] + ticks[:rows * SAMPLES])
         return float(self.at(x, y).sum()) * (self.cells.spacing / SAMPLES) ** 2
 
     def means(self, h: float, shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
         """Mean depth of each cell of the grid's plan, and whether soil covers all of it.
 
-        h: side of a cell [m]; shape: rows and columns, from (0, 0). Exact for a raster; sampled where there are outlines.
+        h: side of a cell [m]; shape: rows and columns, from (0, 0). Exact for a raster; sampled where there are
+        outlines.
         """
         pieces = [self._pieces(axis, h, shape[1 - axis]) for axis in (0, 1)]
         (x, wide, first_x), (y, high, first_y) = pieces
@@ -122,7 +125,8 @@ class Mass:
         return gather(depth * weight) / h**2, gather((depth <= 0) * weight) <= 0
 
     def _pieces(self, axis: int, h: float, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Along an axis: centres and lengths of the pieces on each of which depth is bilinear, first piece of each cell."""
+        """Along an axis: centres and lengths of the pieces on each of which depth is bilinear, first piece of each
+        cell."""
         lines = h * np.arange(count + 1)
         samples = 1 if self.outlines is None else SAMPLES
         cuts = np.concatenate([h / samples * np.arange(count * samples + 1),

@@ -11,12 +11,14 @@ from .projection import name_of, turned
 from .raster import TerrainError, load_gdal
 
 LAYER = "|layername="  # behind the name of a file with several layers, as QGIS writes it
-KINDS = {"polygon": ("POLYGON", "MULTIPOLYGON"), "line": ("LINESTRING", "MULTILINESTRING"), "point": ("POINT", "MULTIPOINT")}
+KINDS = {"polygon": ("POLYGON", "MULTIPOLYGON"), "line": ("LINESTRING", "MULTILINESTRING"),
+         "point": ("POINT", "MULTIPOINT")}
 
 
 @dataclass
 class Feature:
-    """where: names it in messages; parts: of a polygon its outlines, of a line its corners n x 2, of a point 1 x 2 [m]."""
+    """where: names it in messages; parts: of a polygon its outlines, of a line its corners n x 2, of a point 1 x 2
+    [m]."""
 
     where: str
     parts: list
@@ -50,7 +52,7 @@ def key_of(values: dict, name: str, where: str) -> str:
 
 @dataclass
 class Features:
-    """Of one layer of a file, in the projection that was asked for.
+    """Features of one layer of a file, in the projection that was asked for.
 
     projection: of the file, None: it names none; notes: what was done to the coordinates.
     """
@@ -78,8 +80,8 @@ def open_layer(source: str, folder: Path) -> tuple[Path, object, object]:
     else:
         chosen = [layer for layer in layers if layer.GetGeomType() != ogr.wkbNone]
     if len(chosen) != 1:
-        raise TerrainError(f"{path}: found the layers {', '.join(each.GetName() for each in layers) or 'none'}, allowed: one, "
-                           f"or its name behind that of the file: {path.name}{LAYER}NAME")
+        raise TerrainError(f"{path}: found the layers {', '.join(each.GetName() for each in layers) or 'none'}, "
+                           f"allowed: one, or its name behind that of the file: {path.name}{LAYER}NAME")
     return path, data, chosen[0]
 
 
@@ -93,8 +95,8 @@ def valid(geometry: object, where: str) -> None:
     finally:
         gdal.PopErrorHandler()
     if not right:
-        raise TerrainError(f"{where}: found a polygon that is none: {'; '.join(said) or 'unknown reason'}, allowed: rings that "
-                           "do not cross, holes inside")
+        raise TerrainError(f"{where}: found a polygon that is none: {'; '.join(said) or 'unknown reason'}, allowed: "
+                           "rings that do not cross, holes inside")
 
 
 def corners_of(line: object, closed: bool) -> np.ndarray:
@@ -115,7 +117,8 @@ def parts_of(geometry: object, kind: str, where: str) -> list:
     if name not in KINDS[kind]:
         raise TerrainError(f"{where}: found a {name.lower()}, allowed: a {kind}")
     # The array of GDAL's points is checked here, since the geometry library answers for finite numbers only.
-    single = [geometry.GetGeometryRef(k) for k in range(geometry.GetGeometryCount())] if name.startswith("MULTI") else [geometry]
+    several = name.startswith("MULTI")
+    single = [geometry.GetGeometryRef(k) for k in range(geometry.GetGeometryCount())] if several else [geometry]
     if kind == "polygon":
         rings = [[corners_of(part.GetGeometryRef(k), True) for k in range(part.GetGeometryCount())] for part in single]
         require_numbers([ring for part in rings for ring in part], where)
@@ -126,8 +129,8 @@ def parts_of(geometry: object, kind: str, where: str) -> list:
     parts = [corners_of(part, False) for part in single]
     require_numbers(parts, where)
     if kind == "line" and any(len(part) < 2 for part in parts):
-        raise TerrainError(f"{where}: found a line without length at ({parts[0][0, 0]:.9g}, {parts[0][0, 1]:.9g}), allowed: "
-                           "two corners that differ")
+        raise TerrainError(f"{where}: found a line without length at ({parts[0][0, 0]:.9g}, {parts[0][0, 1]:.9g}), "
+                           "allowed: two corners that differ")
     return parts
 
 
@@ -171,8 +174,9 @@ def read_features(source: str, folder: Path, kind: str, projection: str | None) 
     if found.projection is None:
         found.notes.append(f"{path}: names no projection: its coordinates are taken as those of the slope")
     elif projection is None and system.IsGeographic():
-        raise TerrainError(f"{path}: found {system.GetName()}, in degrees, and a slope that names no projection, allowed: a "
-                           ".prj file beside the slope, or \"projection\" in the plan, such as \"EPSG:31287\"")
+        raise TerrainError(f"{path}: found {system.GetName()}, in degrees, and a slope that names no projection, "
+                           "allowed: a .prj file beside the slope, or \"projection\" in the plan, such as "
+                           "\"EPSG:31287\"")
     elif projection is None:
         found.notes.append(f"{path}: the slope names no projection: taken as that of this file, {system.GetName()}")
     elif any([turn_feature(feature, found.projection, projection) for feature in found.features]):
@@ -181,7 +185,8 @@ def read_features(source: str, folder: Path, kind: str, projection: str | None) 
 
 
 def outlines_of(found: Features) -> tuple[list[Outline], list[Feature]]:
-    """All polygons and the feature of each. @raises TerrainError  two of them overlap: their soil would be there twice"""
+    """All polygons and the feature of each. @raises TerrainError  two of them overlap: their soil would be there
+    twice"""
     pairs = [(outline, feature) for feature in found.features for outline in feature.parts]
     _, ogr, _ = load_gdal(str(found.path))
     shapes = [polygon_of(outline, ogr) for outline, _ in pairs]
@@ -191,8 +196,8 @@ def outlines_of(found: Features) -> tuple[list[Outline], list[Feature]]:
             if common is not None and common.GetArea() > 1e-9 * min(one.GetArea(), shapes[n].GetArea()):
                 place = common.PointOnSurface()
                 raise TerrainError(f"{pairs[k][1].where}: overlaps {pairs[n][1].where.rsplit(': ', 1)[1]} by "
-                                   f"{common.GetArea():.6g} m^2 at ({place.GetX():.9g}, {place.GetY():.9g}), allowed: polygons "
-                                   "beside each other")
+                                   f"{common.GetArea():.6g} m^2 at ({place.GetX():.9g}, {place.GetY():.9g}), allowed: "
+                                   "polygons beside each other")
     return [outline for outline, _ in pairs], [feature for _, feature in pairs]
 
 
@@ -210,5 +215,6 @@ def lines_of(found: Features) -> list[tuple[np.ndarray, Feature]]:
     """Each with its feature. @raises TerrainError  a feature of several lines"""
     for feature in found.features:
         if len(feature.parts) > 1:
-            raise TerrainError(f"{feature.where}: found {len(feature.parts)} lines that do not join, allowed: one a feature")
+            raise TerrainError(f"{feature.where}: found {len(feature.parts)} lines that do not join, allowed: one a "
+                               "feature")
     return [(feature.parts[0], feature) for feature in found.features]

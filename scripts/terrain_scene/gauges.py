@@ -11,8 +11,8 @@ SAMPLES = 8  # a cell of the slope along the line
 
 
 def gauge_settings(gauge: Gauge, slope: Slope, origin: np.ndarray) -> dict:
-    """From the lowest ground within a cell of its line, where the slab of its section still has soil, to `height`
-    above the highest under the line; flow to the right of the line counts positive.
+    """A gauge from the lowest ground within a cell of its line, where the slab of its section still has soil, to
+    `height` above the highest under the line; flow to the right of the line counts positive.
 
     gauge: its line lies in the area, as the reader of the plan sees to.
 

@@ -34,10 +34,11 @@ def on_cells_of(raster: Raster, corner: np.ndarray, values: np.ndarray) -> Raste
 
 
 def write_ascii(raster: Raster, path: Path) -> list[Path]:
-    """With its projection beside it."""
+    """Write a raster, with its projection in a file beside it."""
     rows, columns = raster.values.shape
     head = (f"ncols {columns}\nnrows {rows}\nxllcorner {float(raster.x - raster.spacing / 2)!r}\n"
-            f"yllcorner {float(raster.y - raster.spacing / 2)!r}\ncellsize {float(raster.spacing)!r}\nNODATA_value {NO_DATA:g}\n")
+            f"yllcorner {float(raster.y - raster.spacing / 2)!r}\ncellsize {float(raster.spacing)!r}\nNODATA_value "
+            f"{NO_DATA:g}\n")
     values = np.where(np.isnan(raster.values), NO_DATA, raster.values)[::-1]
     path.write_text(head + "\n".join(" ".join(f"{v:.8g}" for v in row) for row in values) + "\n", encoding="ascii")
     if raster.projection is None:

@@ -19,7 +19,8 @@ from .reader import Reader
 RASTERS, SHAPES = (".asc", ".tif", ".tiff"), (".shp", ".gpkg", ".geojson")
 DEPTH = "thickness"  # attribute of the polygons in REL
 LEFT_OUT = {"ENT": "entrainment", "RES": "resistance", "SECREL": "secondary releases", "ENTTH": "entrainment"}
-ASKED = {"friction": "of the slope, such as 0.6", "barrier/height": "[m]", "barrier/thickness": "[m]"}  # no folder has them
+# no folder has them
+ASKED = {"friction": "of the slope, such as 0.6", "barrier/height": "[m]", "barrier/thickness": "[m]"}
 DEEP = 4  # depths in a cell of the grid: a column is left out below a quarter of a cell
 BETWEEN_FRAMES = 20  # cells of the slope's raster that the fastest block comes on from one frame to the next
 AROUND = 4  # cells of the grid around what blocks come by
@@ -49,7 +50,8 @@ def plan_of_layout(folder: Path, scene: Path, changes: dict) -> tuple[dict, list
         if key in changes:
             given.child(key, None)
     slope_file = chosen(changes, "slope", scene) or only(files_in(base, RASTERS), "slope", "slope", base)
-    values = {"slope": named(slope_file, scene)} | {key: changes[key] for key in ("projection", "gaps") if key in changes}
+    values = {"slope": named(slope_file, scene)} | {key: changes[key] for key in ("projection", "gaps")
+                                                    if key in changes}
     notes = [f"{each}: {what}: not computed, left out" for name, what in LEFT_OUT.items()
              for each in files_in(base / name, RASTERS + SHAPES)]
     slope = read_raster(slope_file)
@@ -75,7 +77,8 @@ FILES = (("slope",), ("area",), ("slide", "polygon"), ("slide", "depth"), ("slid
 
 
 def from_here(changes: dict, scene: Path) -> dict:
-    """Names of files on the command line, which lie below the present folder, as the plan in the scene's folder names them."""
+    """Names of files on the command line, which lie below the present folder, as the plan in the scene's folder names
+    them."""
     found = json.loads(json.dumps(changes))
     for *above, last in FILES:
         inner = found.get(above[0]) if above else found
@@ -89,7 +92,7 @@ def chosen(changes: dict, key: str, scene: Path) -> Path | None:
 
 
 def named(path: Path, scene: Path) -> str:
-    """As the plan in the folder of the scene names it."""
+    """The path as the plan in the folder of the scene names it."""
     return os.path.relpath(path.resolve(), scene.resolve())
 
 
@@ -98,8 +101,10 @@ def cell_for(slope: Raster, depth: float) -> float:
 
 
 def slide_of(base: Path, scene: Path, changes: dict, slope: Raster, maps: MapInputs) -> tuple[dict, np.ndarray, float]:
-    """Keys of the slide, cells of the slope from which it starts n x 2, and its smallest depth, which has to be resolved [m]."""
-    polygons = chosen(changes, "polygon", scene) or only(files_in(base / "REL", SHAPES), "release", "slide/polygon", base)
+    """Keys of the slide, cells of the slope from which it starts n x 2, and its smallest depth, which has to be
+    resolved [m]."""
+    polygons = chosen(changes, "polygon", scene) or only(files_in(base / "REL", SHAPES), "release", "slide/polygon",
+                                                         base)
     values = {"polygon": named(polygons, scene)} | {key: changes[key] for key in ("material",) if key in changes}
     rasters = files_in(base / "RELTH", RASTERS)
     reader = Reader(values, str(base), None)
@@ -117,7 +122,8 @@ def slide_of(base: Path, scene: Path, changes: dict, slope: Raster, maps: MapInp
     else:
         depths = [Reader(values, f"{base}/slide", None).number("depth")]
     low, high = limits_of(outlines)
-    centres = [start + slope.spacing * np.arange(count) for start, count in zip((slope.x, slope.y), slope.values.shape[::-1])]
+    centres = [start + slope.spacing * np.arange(count) for start,
+               count in zip((slope.x, slope.y), slope.values.shape[::-1])]
     near = [ticks[(ticks >= a) & (ticks <= b)] for ticks, a, b in zip(centres, low, high)]
     places = np.stack(np.meshgrid(*near), axis=-1).reshape(-1, 2)
     inside = np.any([outline.contains(places) for outline in outlines], axis=0)
@@ -132,7 +138,8 @@ def require_asked(folder: Path, changes: dict, barrier: bool) -> None:
     given = {"friction"} & set(changes) | {f"barrier/{key}" for key in changes.get("barrier") or {}}
     missing = [key for key in ASKED if key not in given and (barrier or not key.startswith("barrier"))]
     if missing:
-        raise TerrainError(f"{folder}: says nothing of " + ", ".join(f"{key} {ASKED[key]}" for key in missing) + ", allowed: "
+        raise TerrainError(f"{folder}: says nothing of " + ", ".join(f"{key} {ASKED[key]}" for key in missing)
+                           + ", allowed: "
                            + " ".join(f"--set {key}=NUMBER" for key in missing)
                            + ("; without the barrier: --set barrier=null" if barrier else ""))
 
@@ -154,8 +161,8 @@ def barrier_of(base: Path, scene: Path, changes: dict, notes: list[str]) -> dict
 
 
 def size_of(values: dict, time: dict, slope: Raster, mass: tuple[np.ndarray, float], line: np.ndarray) -> list[str]:
-    """Area, height and time of the run into `values`, from blocks that slide from the mass, as far as they are not given;
-    returns what to say of it.
+    """Area, height and time of the run into `values`, from blocks that slide from the mass, as far as they are not
+    given; returns what to say of it.
 
     time: what is given of it; mass: places that it starts from and its depth; line: of the barrier, empty: none.
 
@@ -165,7 +172,8 @@ def size_of(values: dict, time: dict, slope: Raster, mass: tuple[np.ndarray, flo
     h = values["cell_size"]
     reach = reach_of(slope, start, depth, values["friction"])
     if not reach.fastest > 0:
-        raise TerrainError(f"{slope.path}: found no data under the release, from ({start[0, 0]:.9g}, {start[0, 1]:.9g}) on")
+        raise TerrainError(f"{slope.path}: found no data under the release, from ({start[0, 0]:.9g}, "
+                           f"{start[0, 1]:.9g}) on")
     values["clear_height"] = float(f"{4 * max(depth, h):.2g}")
     every = np.concatenate([reach.places, line])
     if "area" not in values:
@@ -179,8 +187,9 @@ def size_of(values: dict, time: dict, slope: Raster, mass: tuple[np.ndarray, flo
     x, y = (ticks(start_of, end_of, h) for start_of, end_of in zip(*values["area"]))
     if np.isnan(slope.at(*np.meshgrid(x, y))).any():
         values.setdefault("gaps", "open")
-    return [f"nine of ten blocks with this friction are at rest after {reach.time:.3g} s, {reach.fastest:.3g} m/s at most; area, time and "
-            "clear_height follow from them as far as they are not given: look whether the soil has come to rest at the end"
+    return [f"nine of ten blocks with this friction are at rest after {reach.time:.3g} s, {reach.fastest:.3g} m/s at "
+            "most; area, time and clear_height follow from them as far as they are not given: look whether the soil "
+            "has come to rest at the end"
             + (f"; {reach.left} of {len(start)} blocks leave the data of the slope" if reach.left else "")]
 
 

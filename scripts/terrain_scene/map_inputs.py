@@ -43,8 +43,8 @@ class MapInputs:
         rows = reader.rows(key, 3)
         place = crossing_of(rows)
         if place is not None:
-            raise TerrainError(f"{reader.where}/{key}: found sides that cross at ({place[0]:.9g}, {place[1]:.9g}), allowed: a "
-                               "polygon whose sides meet at its corners alone")
+            raise TerrainError(f"{reader.where}/{key}: found sides that cross at ({place[0]:.9g}, {place[1]:.9g}), "
+                               "allowed: a polygon whose sides meet at its corners alone")
         return [Outline((rows,))], []
 
     def line(self, reader: Reader, key: str) -> np.ndarray:
@@ -65,7 +65,10 @@ class MapInputs:
 
 
 def settle_projection(reader: Reader, slope: Raster) -> str | None:
-    """That of the slope, named by its file or by the plan; None: by neither. @raises TerrainError  not in metres, or two"""
+    """The projection of the slope, named by its file or by the plan; None: by neither.
+
+    @raises TerrainError  not in metres, or two
+    """
     if "projection" in reader.values:
         text = reader.text("projection", "a projection, such as EPSG:31287")
         where = f"{reader.where}/projection"
@@ -73,8 +76,8 @@ def settle_projection(reader: Reader, slope: Raster) -> str | None:
         low_x, low_y, high_x, high_y = slope.limits()
         corners = np.array([(low_x, low_y), (high_x, high_y)])
         if slope.projection is not None and turned(corners, named, slope.projection, where) is not corners:
-            raise TerrainError(f"{where}: found {name_of(named)}, {slope.path} names {name_of(slope.projection)}, allowed: one "
-                               "of them")
+            raise TerrainError(f"{where}: found {name_of(named)}, {slope.path} names {name_of(slope.projection)}, "
+                               "allowed: one of them")
         slope.projection = named
     if slope.projection is not None and has_gdal():
         require_metres(slope.projection, f"{reader.where}/slope: {slope.path}")
@@ -98,5 +101,5 @@ def require_gentle(slope: Raster, where: str) -> None:
     low_x, low_y, high_x, high_y = slope.limits()
     rise, side = np.nanmax(slope.values) - np.nanmin(slope.values), max(high_x - low_x, high_y - low_y)
     if rise > STEEPEST * side:
-        raise TerrainError(f"{where}: {slope.path}: found heights that differ by {rise:.4g} m over {side:.4g}, allowed: sides in "
-                           "metres; they look like degrees")
+        raise TerrainError(f"{where}: {slope.path}: found heights that differ by {rise:.4g} m over {side:.4g}, "
+                           "allowed: sides in metres; they look like degrees")

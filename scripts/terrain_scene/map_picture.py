@@ -49,11 +49,13 @@ def draw_map(slope: Raster, result: Raster, title: str, drawn: Drawn, path: Path
     axes.imshow(np.where(np.isnan(slope.values), np.nan, shade), cmap="gray", origin="lower", extent=extent_of(slope),
                 vmin=-0.3, vmax=1, interpolation="bilinear")
     if np.nanmax(slope.values) > np.nanmin(slope.values):
-        x, y = (start + slope.spacing * np.arange(count) for start, count in zip((slope.x, slope.y), slope.values.shape[::-1]))
+        x, y = (start + slope.spacing * np.arange(count) for start,
+                count in zip((slope.x, slope.y), slope.values.shape[::-1]))
         axes.clabel(axes.contour(x, y, slope.values, 12, colors="k", linewidths=0.4, alpha=0.5), fontsize=7, fmt="%g")
     values = np.ma.masked_invalid(result.values)
     most = float(np.percentile(values.compressed(), 99.5)) if values.count() else 1.0
-    image = axes.imshow(values, cmap="viridis", origin="lower", extent=extent_of(result), vmin=0, vmax=most or 1.0, alpha=0.85,
+    image = axes.imshow(values, cmap="viridis", origin="lower", extent=extent_of(result), vmin=0, vmax=most or 1.0,
+                        alpha=0.85,
                         interpolation="nearest")
     beyond = "max" if values.count() and values.max() > most else "neither"
     figure.colorbar(image, ax=axes, shrink=0.7, label=title, extend=beyond)
@@ -91,7 +93,7 @@ def along(line: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def cell_values(raster: Raster, places: np.ndarray) -> np.ndarray:
-    """Of the cell that each place lies in, nan outside."""
+    """Value of the cell that each place lies in, nan outside."""
     i, j = (np.floor((places[:, k] - (raster.x, raster.y)[k]) / raster.spacing + 0.5).astype(int) for k in (0, 1))
     inside = (i >= 0) & (i < raster.values.shape[1]) & (j >= 0) & (j < raster.values.shape[0])
     values = np.full(len(places), np.nan)
@@ -106,7 +108,8 @@ def write_section(name: str, line: np.ndarray, slope: Raster, results: dict[str,
     fields = {key: cell_values(raster, places) for key, raster in results.items()}
     table = folder / f"section_{name}.csv"
     rows = np.column_stack([way, places, ground, *fields.values()])
-    np.savetxt(table, rows, delimiter=",", header=",".join(["way", "x", "y", "ground", *fields]), comments="", fmt="%.12g")
+    np.savetxt(table, rows, delimiter=",", header=",".join(["way", "x", "y", "ground", *fields]), comments="",
+               fmt="%.12g")
     figure, (upper, middle, lower) = new_figure(9.5, 8, 3)
     upper.plot(way, ground, color="k", linewidth=1)
     upper.set(ylabel="z [m]", title=f"section {name}")

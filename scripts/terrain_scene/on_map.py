@@ -23,7 +23,7 @@ FAR = 3  # cells between two frames: largest values have gaps
 
 @dataclass
 class Place:
-    """Where a scene lies: the raster of its slope, its origin and area on the map, what is drawn there."""
+    """Place of a scene on the map: the raster of its slope, its origin and area on the map, what is drawn there."""
 
     folder: Path
     slope: Raster
@@ -99,8 +99,8 @@ def write_maps(results: Results, place: Place, time: float | None, out: Path) ->
     apart = float(np.diff(series.times).max()) if len(series) > 1 else 0.0
     way = most.get("max_speed", 0) * apart / slope.spacing
     if way > FAR:
-        lines.append(f"warning: the largest values are those of the frames, every {apart:.3g} s: the fastest soil comes on by up to "
-                     f"{way:.3g} cells between two of them; a smaller output/interval sees more")
+        lines.append(f"warning: the largest values are those of the frames, every {apart:.3g} s: the fastest soil "
+                     f"comes on by up to {way:.3g} cells between two of them; a smaller output/interval sees more")
     return [*lines, f"{peaks.time:.6g} s: {volume:.6g} m³ of soil at rest on {np.isfinite(peaks.depth).sum()} cells of "
             f"{slope.spacing:g} m; largest: {most.get('max_depth', 0):.4g} m, {most.get('max_speed', 0):.4g} m/s, "
             f"{most.get('max_dynamic_pressure', 0):.4g} Pa"]

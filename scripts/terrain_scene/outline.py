@@ -9,8 +9,8 @@ from matplotlib.path import Path as Ring
 
 @dataclass(frozen=True)
 class Outline:
-    """One polygon: its outer ring, then its holes, each n x 2 [m]. Whether a ring repeats its first corner at its end, and
-    which way round it runs, does not matter.
+    """One polygon: its outer ring, then its holes, each n x 2 [m]. Whether a ring repeats its first corner at its end,
+    and which way round it runs, does not matter.
     """
 
     rings: tuple[np.ndarray, ...]
@@ -19,8 +19,10 @@ class Outline:
         return Outline(tuple(ring + by for ring in self.rings))
 
     def area(self) -> float:
-        """Of the outer ring less its holes [m^2]; of places near the origin: products of map coordinates lose digits."""
-        outer, *holes = (abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2 for x, y in (ring.T for ring in self.rings))
+        """Area of the outer ring less its holes [m^2]. Places are near the origin: products of map coordinates lose
+        digits."""
+        outer, *holes = (abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2 for x,
+                         y in (ring.T for ring in self.rings))
         return outer - sum(holes)
 
     def contains(self, places: np.ndarray) -> np.ndarray:
@@ -36,13 +38,14 @@ class Outline:
 
 
 def limits_of(outlines: list[Outline]) -> tuple[np.ndarray, np.ndarray]:
-    """Of all of them together."""
+    """Limits of all outlines together."""
     lows, highs = zip(*(outline.limits() for outline in outlines))
     return np.min(lows, axis=0), np.max(highs, axis=0)
 
 
 def crossing_of(ring: np.ndarray) -> np.ndarray | None:
-    """A place where two sides of a ring cross; None: there is none. Sides that touch, such as those of a slit, do not."""
+    """A place where two sides of a ring cross; None: there is none. Sides that touch, such as those of a slit, do
+    not."""
     start = ring - ring[0]  # small numbers: products of map coordinates lose digits
     way = np.roll(start, -1, axis=0) - start
 

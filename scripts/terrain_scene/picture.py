@@ -38,7 +38,8 @@ def draw_map(axes: plt.Axes, made: Made) -> None:
 
 
 def section_line(made: Made) -> tuple[np.ndarray, np.ndarray]:
-    """From the mass on, towards the barrier, else down the mean slope under the mass; to the rim both ways."""
+    """Line through the mass towards the barrier, else down the mean slope under the mass; it goes to the rim at both
+    ends."""
     h = made.slope.spacing
     depth = made.columns.depth
     j, i = np.indices(depth.shape)
@@ -71,7 +72,8 @@ def draw_section(axes: plt.Axes, made: Made) -> None:
     if made.wall is not None:
         barrier = made.plan.barrier
         near = np.argmin(np.linalg.norm(places - made.wall.crest[:2], axis=1))
-        axes.add_patch(plt.Rectangle((way[near] - barrier.thickness / 2, ground[near]), barrier.thickness, barrier.height,
+        axes.add_patch(plt.Rectangle((way[near] - barrier.thickness / 2, ground[near]), barrier.thickness,
+                                     barrier.height,
                                      color=STRUCTURE, label="barrier"))
     axes.set(xlabel="along the section [m]", ylabel="z [m]", aspect="equal", title="section through mass and barrier"
              if made.wall is not None else "section down the slope")

@@ -21,7 +21,8 @@ GRAVITY = 9.81
 FRAMES = 20  # of a run, unless the plan says otherwise
 
 # Keys of the objects of the file.
-PLAN = ("slope", "projection", "gaps", "area", "cell_size", "clear_height", "friction", "slide", "barrier", "gauges", "probes", "time")
+PLAN = ("slope", "projection", "gaps", "area", "cell_size", "clear_height", "friction", "slide", "barrier", "gauges",
+        "probes", "time")
 SLIDE = ("polygon", "depth", "top", "material")
 BARRIER = ("line", "height", "thickness", "material", "friction")
 GAUGE = ("name", "line", "height")
@@ -34,8 +35,8 @@ TIME = ("end", "dt", "interval")
 
 @dataclass
 class Slide:
-    """Mass: inside the outlines (None: anywhere), as deep as a number for each of them or a raster says, or up to the raster
-    `top`. across: the depths are measured across the slope, else upright.
+    """Mass: inside the outlines (None: anywhere), as deep as a number for each of them or a raster says, or up to the
+    raster `top`. across: the depths are measured across the slope, else upright.
     """
 
     outlines: list[Outline] | None
@@ -71,8 +72,8 @@ class Probe:
 class Plan:
     """Coordinates are those of the world, as in the rasters [m].
 
-    projection: of them all, None: no file names one; open_gaps: where the slope has no data there is no ground, else such a
-    place is an error.
+    projection: of them all, None: no file names one; open_gaps: where the slope has no data there is no ground, else
+    such a place is an error.
     """
 
     slope: Raster
@@ -96,8 +97,8 @@ class Plan:
 def read_slide(reader: Reader, maps: MapInputs, slope: Raster) -> Slide:
     outlines, features = maps.outlines(reader, "polygon") if "polygon" in reader.values else (None, [])
     if ("depth" in reader.values) == ("top" in reader.values):
-        raise TerrainError(f"{reader.where}: allowed: exactly one of depth (a number, an attribute of the polygons, or a raster) "
-                           "and top (a raster)")
+        raise TerrainError(f"{reader.where}: allowed: exactly one of depth (a number, an attribute of the polygons, or "
+                           "a raster) and top (a raster)")
     material = material_of(reader, SOIL, maps.notes)
     if "top" in reader.values:
         return Slide(outlines, None, raster_like(slope, reader, "top", maps.folder), material)
@@ -144,8 +145,8 @@ def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
 
 def say_thin(where: str, thickness: float, cell_size: float, notes: list[str]) -> None:
     if thickness < 2 * (1 - 1e-6) * cell_size:
-        notes.append(f"{where}/thickness: found {thickness:g} m, {thickness / cell_size:.3g} cells: soil that comes over "
-                     "or round the barrier acts on soil before it; advised: at least two cells")
+        notes.append(f"{where}/thickness: found {thickness:g} m, {thickness / cell_size:.3g} cells: soil that comes "
+                     "over or round the barrier acts on soil before it; advised: at least two cells")
 
 
 def read_barrier(reader: Reader, maps: MapInputs, friction: float) -> Barrier:
@@ -176,7 +177,8 @@ def read_gauges(reader: Reader, maps: MapInputs) -> list[Gauge]:
             number = number_of(feature, field_name, f"{child.where}/height/field")
         else:
             number = child.number("height")
-        gauges.append(Gauge(name_in(child, feature), require_two(line, f"{child.where}/lines: {feature.where}"), number))
+        gauges.append(Gauge(name_in(child, feature), require_two(line, f"{child.where}/lines: {feature.where}"),
+                            number))
     return gauges
 
 
@@ -244,7 +246,8 @@ def plan_of(values: object, path: Path) -> Plan:
     if barrier:
         say_thin(f"{reader.where}/barrier", barrier.thickness, cell_size, maps.notes)
     plan = Plan(slope, maps.projection, read_gaps(reader), cell_size, corners[0], corners[1],
-                reader.number("clear_height"), friction, slide, barrier, time.number("end"), time.number("dt"), interval,
+                reader.number("clear_height"), friction, slide, barrier, time.number("end"), time.number("dt"),
+                interval,
                 gauges, probes, maps.notes)
     require_all_in_area(plan, str(path))
     return plan

@@ -21,7 +21,8 @@ def reference(text: str, where: str):
         else:
             found.SetFromUserInput(text)
     except RuntimeError as error:
-        raise TerrainError(f"{where}: found the projection \"{text[:80]}\", which GDAL does not know: {error}") from error
+        raise TerrainError(f"{where}: found the projection \"{text[:80]}\", which GDAL does not know: "
+                           f"{error}") from error
     found.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
     return found
 
@@ -31,7 +32,7 @@ def name_of(text: str) -> str:
 
 
 def text_of_prj(text: str) -> str:
-    """As .prj files have it, in ESRI's words; what a .prj file said stays as it was."""
+    """Text of a .prj file, in ESRI's words; what a .prj file said stays as it was."""
     if "AUTHORITY[" not in text and "CRS[" not in text:
         return text
     return reference(text, "a projection").ExportToWkt(["FORMAT=WKT1_ESRI"])
@@ -57,8 +58,8 @@ def turned(places: np.ndarray, source: str, target: str, where: str) -> np.ndarr
         return places
     if old.IsGeographic() and (np.abs(places) > (360, 90)).any():
         x, y = places[(np.abs(places) > (360, 90)).any(axis=1)][0]
-        raise TerrainError(f"{where}: found ({x:.9g}, {y:.9g}), but its projection is {old.GetName()}, in degrees, allowed: "
-                           "degrees (a GeoJSON file without \"crs\" is in degrees east and north)")
+        raise TerrainError(f"{where}: found ({x:.9g}, {y:.9g}), but its projection is {old.GetName()}, in degrees, "
+                           "allowed: degrees (a GeoJSON file without \"crs\" is in degrees east and north)")
     options = osr.CoordinateTransformationOptions()
     options.SetBallparkAllowed(False)  # off by a hundred metres without a word
     try:
@@ -79,5 +80,5 @@ def require_same(raster: Raster, needed: str | None, whose: str) -> None:
     low_x, low_y, high_x, high_y = raster.limits()
     corners = np.array([(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y)])
     if turned(corners, found, needed, str(raster.path)) is not corners:
-        raise TerrainError(f"{raster.path}: found the projection {name_of(found)}, {whose} has {name_of(needed)}, allowed: "
-                           "the same; gdalwarp -t_srs turns a raster into another projection")
+        raise TerrainError(f"{raster.path}: found the projection {name_of(found)}, {whose} has {name_of(needed)}, "
+                           "allowed: the same; gdalwarp -t_srs turns a raster into another projection")

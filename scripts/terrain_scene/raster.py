@@ -16,8 +16,8 @@ class TerrainError(Exception):
 class Raster:
     """Values at the centres of square cells.
 
-    x, y: centre of the cell in the south-west [m]; values: rows from south to north, nan: no data; projection: WKT or what
-    the .prj file beside it says, None: it names none.
+    x, y: centre of the cell in the south-west [m]; values: rows from south to north, nan: no data; projection: WKT or
+    what the .prj file beside it says, None: it names none.
     """
 
     path: Path
@@ -37,7 +37,7 @@ class Raster:
         return f"the raster reaches from ({low_x:.9g}, {low_y:.9g}) to ({high_x:.9g}, {high_y:.9g})"
 
     def place(self, row: int, column: int) -> str:
-        """Where a value stands in the file, whose first row is that in the north."""
+        """Row and column of a value in the file, whose first row is that in the north."""
         return f"row {self.values.shape[0] - row}, column {column + 1}"
 
     def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -76,7 +76,8 @@ DIGITS = 1e-5  # relative, of a number for no data: files of single precision an
 
 
 def without_data(values: np.ndarray, number: float | None) -> np.ndarray:
-    """nan where a value is the number for no data (None: there is none), which other programs write with fewer digits."""
+    """nan where a value is the number for no data (None: there is none), which other programs write with fewer
+    digits."""
     if number is None or np.isnan(number):
         return values
     same = (values == number) | (np.abs(values - number) <= DIGITS * abs(number))
@@ -84,13 +85,14 @@ def without_data(values: np.ndarray, number: float | None) -> np.ndarray:
 
 
 def checked(raster: Raster) -> Raster:
-    """@raises TerrainError  a value that is no height or depth, such as a number for no data that the file does not name"""
+    """@raises TerrainError  a value that is no height or depth, such as a number for no data that the file does not
+    name"""
     wrong = np.argwhere(np.abs(raster.values) > FARTHEST)
     if len(wrong):
         row, column = wrong[0]
         raise TerrainError(f"{raster.path}: found {raster.values[row, column]:g} in {raster.place(row, column)} and "
-                           f"{len(wrong) - 1} other values beyond {FARTHEST:g} m, allowed: metres; if it stands for no data, "
-                           "name it in the file (NODATA_value)")
+                           f"{len(wrong) - 1} other values beyond {FARTHEST:g} m, allowed: metres; if it stands for no "
+                           "data, name it in the file (NODATA_value)")
     return raster
 
 
@@ -140,7 +142,8 @@ def read_ascii(path: Path) -> Raster:
         except ValueError as error:
             raise TerrainError(f"{path}: line {k + 1}: found \"{word}\", expected a number") from error
     values = without_data(values, head.get("nodata_value", -9999))
-    return checked(Raster(path, corner[0], corner[1], spacing, values.reshape(rows, columns)[::-1], projection_beside(path)))
+    return checked(Raster(path, corner[0], corner[1], spacing, values.reshape(rows, columns)[::-1],
+                          projection_beside(path)))
 
 
 def load_gdal(what: str) -> tuple[ModuleType, ModuleType, ModuleType]:
@@ -148,8 +151,9 @@ def load_gdal(what: str) -> tuple[ModuleType, ModuleType, ModuleType]:
     try:
         from osgeo import gdal, ogr, osr
     except ImportError as error:
-        raise TerrainError(f"{what}: needs GDAL: install python3-gdal, which reads rasters other than ESRI ASCII grids, "
-                           "shapefiles, GeoPackage, GeoJSON and KML, and turns one projection into another") from error
+        raise TerrainError(f"{what}: needs GDAL: install python3-gdal, which reads rasters other than ESRI ASCII "
+                           "grids, shapefiles, GeoPackage, GeoJSON and KML, and turns one projection into "
+                           "another") from error
     for module in (gdal, ogr, osr):
         module.UseExceptions()
     return gdal, ogr, osr
@@ -173,10 +177,11 @@ def read_with_gdal(path: Path) -> Raster:
         raise TerrainError(f"{path}: {error}") from error
     left, width, row_turn, top, column_turn, height = data.GetGeoTransform()
     if row_turn or column_turn or not width > 0 or abs(width + height) > 1e-9 * width:
-        raise TerrainError(f"{path}: found the transform {data.GetGeoTransform()}, allowed: square cells along the axes, "
-                           "north up")
+        raise TerrainError(f"{path}: found the transform {data.GetGeoTransform()}, allowed: square cells along the "
+                           "axes, north up")
     if data.RasterCount != 1:
-        raise TerrainError(f"{path}: found {data.RasterCount} bands, allowed: one; gdal_translate -b NUMBER takes one out")
+        raise TerrainError(f"{path}: found {data.RasterCount} bands, allowed: one; gdal_translate -b NUMBER takes one "
+                           "out")
     band = data.GetRasterBand(1)
     if band.GetUnitType() not in UNITS:
         raise TerrainError(f"{path}: found values in {band.GetUnitType()}, allowed: metres")

@@ -66,7 +66,7 @@ class Reader:
             raise TerrainError(f"{self.where}/{key}: {error}") from error
 
     def children(self, key: str, keys: tuple[str, ...]) -> "list[Reader]":
-        """Of a list of objects; none where the key is missing."""
+        """Readers of the objects of a list; none where the key is missing."""
         values = self.values.get(key, [])
         if not isinstance(values, list):
             raise self.fail(key, "a list of objects")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a plan to the folder of a scene."""
+"""Write the folder of a scene from a plan."""
 
 import json
 import os
@@ -48,7 +48,8 @@ def sample_slope(plan: Plan) -> tuple[np.ndarray, Slope]:
     x, y = np.meshgrid(plan.low[0] + h * np.arange(count[0] + 1), plan.low[1] + h * np.arange(count[1] + 1))
     z = plan.slope.at(x, y) if plan.open_gaps else plan.slope.needed_at(x, y)
     if np.isnan(z).all():
-        raise TerrainError(f"area: found no data from {place_text(plan.low)} to {place_text(plan.high)}; {plan.slope.reach()}")
+        raise TerrainError(f"area: found no data from {place_text(plan.low)} to {place_text(plan.high)}; "
+                           f"{plan.slope.reach()}")
     # A cell of the grid below the lowest place, since a point must not leave it there.
     bottom = h * (np.floor(np.nanmin(z) / h) - 1)
     return np.array([*plan.low, bottom]), Slope(h, z - bottom)
@@ -80,19 +81,21 @@ def make(plan: Plan) -> Made:
         raise TerrainError(f"slide: found no mass of at least {THINNEST * plan.cell_size:g} m, a quarter of a cell, in "
                            f"the area from {place_text(plan.low)} to {place_text(plan.high)}"
                            + (f"; {raster.path}: {raster.reach()}" if raster else "")
-                           + ("" if ends is None else f"; the polygon from {place_text(ends[0])} to {place_text(ends[1])}"))
+                           + ("" if ends is None
+                              else f"; the polygon from {place_text(ends[0])} to {place_text(ends[1])}"))
     rim = np.zeros_like(columns.depth, dtype=bool)
     rim[[0, -1], :] = rim[:, [0, -1]] = True
     if (columns.depth[rim] >= THINNEST * plan.cell_size).any():
-        raise TerrainError("slide: found mass at the rim of the area, allowed: an area that holds the mass with a cell around")
+        raise TerrainError("slide: found mass at the rim of the area, allowed: an area that holds the mass with a cell "
+                           "around")
     facets = slope.facets(columns.depth)
     pieces = round(slope.spacing / facets.spacing)
     high = slope.bulge(pieces, columns.depth) > BULGE
     if high.any():
         lift = np.where(high, slope.rise(pieces), 0)
         columns = lay_columns(slope, mass, lift)
-        plan.notes.append(f"slide: {high.sum()} columns start up to {lift.max():.2g} m above the warped cells of the slope, on its "
-                          "facets")
+        plan.notes.append(f"slide: {high.sum()} columns start up to {lift.max():.2g} m above the warped cells of the "
+                          "slope, on its facets")
     wall = None
     if plan.barrier is not None:
         wall = build_wall(slope, plan.barrier.line - origin[:2], plan.barrier.height, plan.barrier.thickness)
@@ -100,16 +103,18 @@ def make(plan: Plan) -> Made:
     rows, count = slope.z.shape[0] - 1, slope.z.shape[1] - 1
     gauges = [gauge_settings(gauge, slope, origin) for gauge in plan.gauges]
     probes = [probe_settings(probe, slope, columns, origin) for probe in plan.probes]
-    return Made(plan, origin, slope, facets, columns, wall, gauges, probes, (count, rows, int(np.ceil(top / plan.cell_size))))
+    return Made(plan, origin, slope, facets, columns, wall, gauges, probes,
+                (count, rows, int(np.ceil(top / plan.cell_size))))
 
 
 def probe_settings(probe: Probe, slope: Slope, columns: Columns, origin: np.ndarray) -> dict:
-    """In the middle of the soil at its place. @raises TerrainError  there is none"""
+    """A probe in the middle of the soil at its place. @raises TerrainError  there is no soil"""
     x, y = probe.place - origin[:2]
     rows, count = columns.depth.shape
     depth = columns.depth[min(int(y / slope.spacing), rows - 1), min(int(x / slope.spacing), count - 1)]
     if not depth >= THINNEST * slope.spacing:
-        raise TerrainError(f"probe {probe.name}: found no mass at {place_text(probe.place)}, allowed: places on the slide")
+        raise TerrainError(f"probe {probe.name}: found no mass at {place_text(probe.place)}, allowed: places on the "
+                           "slide")
     return {"name": probe.name, "point": [float(x), float(y), float(slope.at(x, y) + depth / 2)]}
 
 
@@ -118,7 +123,8 @@ def soil_settings(made: Made) -> dict:
     settings = {
         "dimension": 3,
         "origin": [float(v) for v in made.origin],
-        "grid": {"box": {"low": [0, 0, 0], "high": [n * h for n in made.cells], "cells": list(made.cells), "type": "hex8"}},
+        "grid": {"box": {"low": [0, 0, 0], "high": [n * h for n in made.cells], "cells": list(made.cells),
+                         "type": "hex8"}},
         "gravity": [0, 0, -GRAVITY],
         "outside": "remove",
         "time_integration": {"scheme": "explicit"},
@@ -158,7 +164,8 @@ def structure_settings(made: Made) -> dict:
 
 
 def coupling_settings(plan: Plan, weight: float, interface: dict) -> dict:
-    """Settings of the coupler, also of a section. weight: of all soil [N, 2D N/m]; interface: its name and what is its own"""
+    """Settings of the coupler, also of a section. weight: of all soil [N, 2D N/m]; interface: its name and what is its
+    own"""
     return {
         "time": time_settings(plan),
         "output": {"interval": plan.interval},
@@ -180,7 +187,8 @@ def write_json(path: Path, values: dict) -> None:
 
 
 def map_settings(made: Made, folder: Path) -> dict:
-    """Where the scene lies, for scripts/map: coordinates of the world, the raster of the slope relative to the folder."""
+    """Place of the scene on the map, for scripts/map: coordinates of the world, the raster of the slope relative to the
+    folder."""
     plan = made.plan
     settings = {"slope": os.path.relpath(plan.slope.path.resolve(), folder.resolve()), "projection": plan.projection,
                 "origin": [float(v) for v in made.origin],
@@ -204,20 +212,22 @@ def write_scene(made: Made, folder: Path) -> list[str]:
     columns, cells = made.columns, int(np.prod(made.cells))
     lines = [f"origin of the local coordinates: ({', '.join(f'{v:.10g}' for v in made.origin)}) m",
              f"terrain: {num_facets} facets of {facets.spacing:.3g} m",
-             f"slide: {columns.asked:.6g} m^3 in the plan, {columns.filled:.6g} m^3 ({100 * (columns.filled / columns.asked - 1):+.2f} %)"
-             f" in {8 * len(columns.cells)} points; left out: columns thinner than a quarter of a cell",
+             f"slide: {columns.asked:.6g} m^3 in the plan, {columns.filled:.6g} m^3 "
+             f"({100 * (columns.filled / columns.asked - 1):+.2f} %) in {8 * len(columns.cells)} points; left out: "
+             "columns thinner than a quarter of a cell",
              f"grid: {' x '.join(map(str, made.cells))} = {cells} cells of {made.plan.cell_size:g} m"]
     unknown = np.isnan(made.slope.z)
     if unknown.any():
-        lines.append(f"slope: {unknown.mean():.1%} of its nodes have no data: there is no ground, soil that comes there falls off "
-                     "the map and is taken out")
+        lines.append(f"slope: {unknown.mean():.1%} of its nodes have no data: there is no ground, soil that comes "
+                     "there falls off the map and is taken out")
     deepest = float(made.columns.depth.max()) / made.plan.cell_size
     if deepest < 1:
-        lines.append(f"warning: the mass is {deepest:.2g} cells deep at most: its own friction is felt from two cells on, below it "
-                     "moves as a block on the friction of the slope")
+        lines.append(f"warning: the mass is {deepest:.2g} cells deep at most: its own friction is felt from two cells "
+                     "on, below it moves as a block on the friction of the slope")
     advised = np.sqrt(0.5) * made.plan.cell_size
     if facets.longest_edge() > advised:
-        lines.append(f"warning: facets up to {facets.longest_edge():.3g} m long, advised: {advised:.3g} m; the slope is very steep")
+        lines.append(f"warning: facets up to {facets.longest_edge():.3g} m long, advised: {advised:.3g} m; the slope "
+                     "is very steep")
     if cells > MANY_CELLS:
         lines.append(f"warning: more than {MANY_CELLS} cells; a smaller area or larger cells take less memory")
     if made.wall is not None:

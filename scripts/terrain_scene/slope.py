@@ -13,14 +13,16 @@ from .raster import TerrainError
 THINNEST = 0.25
 MOST_PIECES = 4  # of a side of a cell, for facets: cliffs would ask for more without end
 BULGE = 0.0125  # of a layer of cells, how far facets may rise above the ground of the lowest points: a run allows more
-MOST_FACETS = 1_000_000  # where they would be cut finer than halves of a cell: a run looks at all that are near its points
+# where they would be cut finer than halves of a cell: a run looks at all that are near its points
+MOST_FACETS = 1_000_000
 MOST_CELLS = 10_000_000  # of the mass: 100 times what a run on a workstation has
 NUDGE = 1e-6  # of a cell: how far inside its corners the depth is looked up
 
 
 @dataclass
 class Slope:
-    """Heights at the nodes of a lattice from (0, 0), rows along x first: z[j, i]; bilinear between them, nan: unknown."""
+    """Heights at the nodes of a lattice from (0, 0), rows along x first: z[j, i]; bilinear between them, nan:
+    unknown."""
 
     spacing: float
     z: np.ndarray
@@ -41,8 +43,8 @@ class Slope:
         """heights: at places n x 2. @raises TerrainError"""
         if np.isnan(heights).any():
             x, y = places[np.isnan(heights)][0]
-            raise TerrainError(f"{where}: found a part where the slope has no data, at ({x:.9g}, {y:.9g}) m from the south-west "
-                               "corner of the area, allowed: places with data")
+            raise TerrainError(f"{where}: found a part where the slope has no data, at ({x:.9g}, {y:.9g}) m from the "
+                               "south-west corner of the area, allowed: places with data")
 
     def _in_cell(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Column and row of the cell that has a place, and the shares of a cell beyond its south-west corner."""
@@ -55,7 +57,8 @@ class Slope:
         """nan where a node that counts is unknown."""
         i, j, a, b = self._in_cell(x, y)
         z = self.z
-        parts = (((1 - a) * (1 - b), z[j, i]), (a * (1 - b), z[j, i + 1]), ((1 - a) * b, z[j + 1, i]), (a * b, z[j + 1, i + 1]))
+        parts = (((1 - a) * (1 - b), z[j, i]), (a * (1 - b), z[j, i + 1]), ((1 - a) * b, z[j + 1, i]),
+                 (a * b, z[j + 1, i + 1]))
         first, *rest = (np.where(weight == 0, 0, weight * value) for weight, value in parts)
         return first + rest[0] + rest[1] + rest[2]
 
@@ -75,19 +78,19 @@ class Slope:
         return Slope(self.spacing / pieces, self.at(x[None, :], y[:, None]))
 
     def longest_edge(self) -> float:
-        """Of its facets [m]."""
+        """Longest edge of the facets [m]."""
         z, h = self.z, self.spacing
         along = max(np.nanmax(np.abs(np.diff(z, axis=0))), np.nanmax(np.abs(np.diff(z, axis=1))))
         across = np.nanmax(np.minimum(np.abs(z[:-1, :-1] - z[1:, 1:]), np.abs(z[:-1, 1:] - z[1:, :-1])))
         return float(max(np.hypot(h, along), np.hypot(np.sqrt(2) * h, across)))
 
     def facets(self, depth: np.ndarray) -> "Slope":
-        """Cut so often that no facet is longer than the diagonal of half a cell, as the soil asks of curved surfaces, and that
-        none rises into the lowest points of the mass, up to four times, which a slope of 70 degrees takes, as long as there
-        are not too many of them.
+        """Cut so often that no facet is longer than the diagonal of half a cell, as the soil asks of curved surfaces,
+        and that none rises into the lowest points of the mass, up to four times, which a slope of 70 degrees takes, as
+        long as there are not too many of them.
 
-        At least in two: a fold along the diagonal of a whole cell would be felt by points a quarter of a cell deep. In four the
-        facets meet the warped cells exactly below the points, whose places are quarters of a cell.
+        At least in two: a fold along the diagonal of a whole cell would be felt by points a quarter of a cell deep. In
+        four the facets meet the warped cells exactly below the points, whose places are quarters of a cell.
 
         depth: of the mass over each cell [m].
         """
@@ -99,8 +102,8 @@ class Slope:
         return self.cut(pieces)
 
     def bulge(self, pieces: int, depth: np.ndarray) -> np.ndarray:
-        """How far facets of cells in `pieces` rise above the warped cells below points at quarters of a cell, over the height
-        of a layer of the mass of this depth [m] over each cell; 0 without mass.
+        """How far facets of cells in `pieces` rise above the warped cells below points at quarters of a cell, over the
+        height of a layer of the mass of this depth [m] over each cell; 0 without mass.
         """
         within = depth >= THINNEST * self.spacing * (1 - 1e-9)
         layers = np.maximum(1, np.ceil(depth / self.spacing - 1e-9))
@@ -115,7 +118,8 @@ class Slope:
         for first in (0.25, 0.75):
             for second in (0.25, 0.75):
                 (i, u), (j, v) = ((int(share * pieces), share * pieces % 1) for share in (first, second))
-                a, b, c, d = (fine[y * pieces + j + dj, x * pieces + i + di] for dj, di in ((0, 0), (0, 1), (1, 1), (1, 0)))
+                a, b, c, d = (fine[y * pieces + j + dj, x * pieces + i + di] for dj,
+                              di in ((0, 0), (0, 1), (1, 1), (1, 0)))
                 along = a + u * (b - a) + v * (c - b) if u >= v else a + v * (d - a) + u * (c - d)
                 across = a + u * (b - a) + v * (d - a) if u + v <= 1 else c + (1 - u) * (d - c) + (1 - v) * (b - c)
                 facet = np.where(rising(a, b, c, d), along, across)
@@ -130,8 +134,8 @@ def rising(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.nda
 
 
 def write_ply(slope: Slope, path: Path) -> int:
-    """Two triangles a cell, which look up, as bytes in single precision, enough for local coordinates; returns their number.
-    Cells with an unknown corner have none.
+    """Two triangles a cell, which look up, as bytes in single precision, enough for local coordinates; returns their
+    number. Cells with an unknown corner have none.
     """
     rows, columns = slope.z.shape
     x, y = np.meshgrid(np.arange(columns) * slope.spacing, np.arange(rows) * slope.spacing)
@@ -180,15 +184,16 @@ def count_layers(high: np.ndarray, within: np.ndarray, h: float) -> np.ndarray:
     if layers.sum() > MOST_CELLS:
         k = int(np.argmax(layers))
         x, y = (within[k][::-1] + 0.5) * h
-        raise TerrainError(f"slide: found a mass of {layers.sum():.3g} cells, the deepest column {high[k].max():.6g} m at "
-                           f"({x:g}, {y:g}) of the area, allowed: {MOST_CELLS} cells")
+        raise TerrainError(f"slide: found a mass of {layers.sum():.3g} cells, the deepest column {high[k].max():.6g} m "
+                           f"at ({x:g}, {y:g}) of the area, allowed: {MOST_CELLS} cells")
     return layers.astype(int)
 
 
 def lay_columns(slope: Slope, mass: Mass, lift: np.ndarray | None = None) -> Columns:
     """A column a cell of the lattice, cut into layers of at most a cell: its volume is that of the soil above the cell.
 
-    The bottom is the slope, or lies above it by `lift` of each cell [m]. The top follows the soil where it covers the cell, and is parallel to the slope at its rim.
+    The bottom is the slope, or lies above it by `lift` of each cell [m]. The top follows the soil where it covers the
+    cell, and is parallel to the slope at its rim.
 
     @raises TerrainError  more cells than a scene can have
     """

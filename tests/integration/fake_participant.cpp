@@ -35,7 +35,7 @@ Hello make_hello(const std::string& name, const std::string& version) {
   return hello;
 }
 
-/// With this project's own connection and heartbeat.
+/// Serve with this project's own connection and heartbeat.
 int serve_as(const std::string& name, const std::string& endpoint, const Misdeed& misdeed,
              double pause, double connect_deadline) {
   ParticipantSettings settings;

@@ -101,7 +101,7 @@ class FakeSolver : public Solver {
   }
 
  private:
-  /// When the answer is sent.
+  /// Misbehave soon after the answer of this phase is sent.
   void soon_after(const std::string& phase) const {
     if (phase != misdeed_.phase || misdeed_.kind == "slow") return;
     std::thread([misdeed = misdeed_] {

@@ -43,7 +43,7 @@ def when(phase: str) -> str:
 
 
 def rows(phase: str) -> int:
-    """Of steps.csv, when a participant fails in this phase: before step 3 the other one still accepts step 2."""
+    """Rows of steps.csv when a participant fails in this phase: before step 3 the other one still accepts step 2."""
     return STEPS[phase] - (phase == "before_solve")
 
 

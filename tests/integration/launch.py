@@ -109,8 +109,8 @@ reservations: list[socket.socket] = []  # one for each port that this test was g
 
 
 def free_endpoint() -> str:
-    """Where a coupler can listen. Of the ports that the system does not give to connections by itself. It stays this
-    test's: a participant may go on to knock after its coupler's end, and must not reach another test's."""
+    """Endpoint at which a coupler can listen, of a port that the system does not give to connections by itself. It
+    stays this test's: a participant may go on to knock after its coupler's end, and must not reach another test's."""
     for port in random.SystemRandom().sample(range(20000, 32000), 100):
         reservation = socket.socket(socket.AF_UNIX)
         try:
@@ -176,7 +176,7 @@ class Launch:
             time.sleep(0.02)
 
     def wait_programs_gone(self) -> float:
-        """Until no program is alive; how long that took [s]."""
+        """Wait until no program is alive. @returns how long that took [s]"""
         begin = time.monotonic()
         while any(name in PROGRAMS for name in self.alive().values()):
             if time.monotonic() - begin > TIMEOUT:
@@ -185,7 +185,7 @@ class Launch:
         return time.monotonic() - begin
 
     def wait_none_left(self) -> None:
-        """Until no process is left: mpirun may end a moment before the last one that it has killed."""
+        """Wait until no process is left: mpirun may end a moment before the last one that it has killed."""
         begin = time.monotonic()
         while self.alive():
             if time.monotonic() - begin > TIMEOUT:

@@ -29,7 +29,7 @@ class Liar {
         misdeed_(std::move(misdeed)),
         solver_(hello_.participant == "soil", {}, 0) {}
 
-  /// Until the coupler says "refused", "abort" (1) or "finish" (0), or nothing for long (3).
+  /// Run until the coupler says "refused", "abort" (1) or "finish" (0), or nothing for long (3).
   int run() {
     if (misdeed_.kind == "refused_scene") hello_.scene_hash = "0123";
     say(to_message(hello_), "handshake");

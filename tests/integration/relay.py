@@ -6,7 +6,7 @@ import threading
 
 
 class Relay:
-    """Between 127.0.0.1:`port` and 127.0.0.1:`target`; `delay` [s] each way. Stop with close()."""
+    """A relay between 127.0.0.1:`port` and 127.0.0.1:`target`; `delay` [s] each way. Stop it with close()."""
 
     def __init__(self, port: int, target: int, delay: float) -> None:
         self.port, self.target, self.delay = port, target, delay
@@ -20,7 +20,7 @@ class Relay:
         ready.wait()
 
     def cut(self) -> None:
-        """From now on nothing passes, and nobody is told: a cable that was pulled."""
+        """Let nothing pass from now on, and tell nobody: a cable that was pulled."""
         self._cut = True
 
     def close(self) -> None:
@@ -54,7 +54,7 @@ class Relay:
         await asyncio.gather(self._pass(reader, back), self._pass(there, writer))
 
     async def _pass(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """In order: each piece waits until its own time."""
+        """Pass pieces on in their order; each waits until its own time."""
         queue: asyncio.Queue[tuple[float, bytes]] = asyncio.Queue()
         sender = asyncio.ensure_future(self._send(queue, writer))
         piece = b"?"

@@ -58,7 +58,8 @@ class BadInput(IntegrationCase):
     def test_interface_without_partner(self) -> None:
         files = meeting()
         files["fem"]["interfaces"][0]["name"] = "fence"
-        self.refused(files, "[cpl]", "scene/coupler.json: at /interfaces/0/name: found \"wall\"", '"structure"', "fence")
+        self.refused(files, "[cpl]", "scene/coupler.json: at /interfaces/0/name: found \"wall\"", '"structure"',
+                     "fence")
 
     def test_surfaces_too_far_apart(self) -> None:
         files = meeting()

@@ -65,7 +65,7 @@ class Batch(IntegrationCase):
         self.assert_says(ended.text, "The run is complete:", f"part_{part}")
 
     def assert_stopped(self, run: Launch, part: int) -> None:
-        """In order: the checkpoint is that of the last step, and the next job is asked for."""
+        """The run stopped in order: the checkpoint is that of the last step, and the next job is asked for."""
         ended = run.wait()
         self.assertEqual(ended.code, 0, ended.text)
         run.wait_none_left()
@@ -107,7 +107,8 @@ class Batch(IntegrationCase):
         self.assertFalse((self.folder / "part_4").exists())
 
     def test_signal_to_the_process_group(self) -> None:
-        """As a terminal or kill -- -PID sends it; a second one while the checkpoint is written changes nothing."""
+        """A terminal or kill -- -PID sends such a signal; a second one while the checkpoint is written changes
+        nothing."""
         run = self.job_in_step(1, 30)
         os.killpg(run.process.pid, signal.SIGTERM)
         os.killpg(run.process.pid, signal.SIGTERM)

@@ -168,7 +168,8 @@ class CoupledRun(IntegrationCase):
         self.assertEqual(len(one), len(two))
         for column in one[0]:
             # What is left of a balance is compared by the size of its terms.
-            terms = {"momentum_error": "soil.momentum_x", "soil.momentum_y": "soil.momentum_x", "energy_balance": "soil.kinetic_energy",
+            terms = {"momentum_error": "soil.momentum_x", "soil.momentum_y": "soil.momentum_x",
+                     "energy_balance": "soil.kinetic_energy",
                      "created_energy": "soil.kinetic_energy", "transfer_loss": "soil.kinetic_energy",
                      "time_damping": "soil.kinetic_energy", "wall_loss": "soil.kinetic_energy",
                      "quadrature_loss": "soil.kinetic_energy"}

@@ -189,7 +189,7 @@ class Coupled(ForeignWall):
         self.assertNotIn("NOTICE", text)
 
     def run_coupled(self, **changes) -> tuple[float, float]:
-        """With these settings in place of those of WALL: `result`."""
+        """Run with these settings in place of those of WALL. @returns `result`"""
         self.write_scene(self.files)
         self.couple(lambda: self.start_structure(**changes))
         frames = list((self.out / "structure").glob("frame_*.vtu"))
@@ -200,7 +200,8 @@ class Coupled(ForeignWall):
         return found
 
     def test_goes_the_way_of_the_finite_elements(self) -> None:
-        """With the cells of fem_solver it is fem_solver; with fewer quadratic ones it goes the same way."""
+        """The result with the cells of fem_solver is its result; with fewer quadratic cells the displacement is the
+        same."""
         cells = [4, 40]
         same = WALL["mesh"]["box"] | {"cells": cells}
         linear = self.run_coupled(mesh={"box": same}, degree=1, refine=[])
@@ -232,7 +233,7 @@ class Coupled(ForeignWall):
 
 
 class Restarted(ScriptCase):
-    """By scripts/run, which starts the program."""
+    """Restarts by scripts/run, which starts the program."""
 
     def write_wall(self, **changes) -> None:
         files = meeting()

@@ -42,7 +42,7 @@ class Dolfinx(ForeignWall):
         self.pass_the_check(self.start_two)
 
     def test_goes_the_way_of_the_finite_elements(self) -> None:
-        """On one rank and on two; both solvers have the same mesh, law and scheme."""
+        """The displacement agrees on one rank and on two; both solvers have the same mesh, law and scheme."""
         found = []
         for ranks in (1, 2):
             self.couple(self.start_two if ranks == 2 else self.start_structure)

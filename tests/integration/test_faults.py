@@ -83,11 +83,12 @@ class Run:
 
     def struck_at(self) -> float:
         """Monotonic time of the misdeed [s]; of the start when it is said at once."""
-        strikes = [float(said) for name in self.processes for said in re.findall(r"^strike (\S+)$", self.text(name), re.M)]
+        strikes = [float(said) for name in self.processes
+                   for said in re.findall(r"^strike (\S+)$", self.text(name), re.M)]
         return min(strikes, default=self.begin)
 
     def wait_all(self, *but: str) -> float:
-        """Until all processes have ended; [s] since the misdeed."""
+        """Wait until all processes have ended. @returns [s] since the misdeed"""
         for name, process in self.processes.items():
             if name not in but:
                 self.wait_until(lambda p=process: p.poll() is not None, f"the end of {name}")
@@ -171,7 +172,8 @@ def play_participant(run: Run) -> float:
             said = run.text(other(cell.who))
             # Who has not been heard when the coupler ends finds nobody.
             early = cell.phase == "handshake" and "no answer from a coupler" in said
-            require_line(said, (f"within {cell.connect:g} s",) if early else ("the coupler ended the run: ",), other(cell.who))
+            require_line(said, (f"within {cell.connect:g} s",) if early else ("the coupler ended the run: ",),
+                         other(cell.who))
     return seconds
 
 
@@ -194,7 +196,7 @@ def play_coupler(run: Run) -> float:
     cell = run.cell
     announcer = {"handshake": "", "before_solve": "structure", "inside_solve": "soil", "after_solve": "structure",
                  "output": "soil"}[cell.phase]
-    # After the soil's solution the structure is in its own.
+    # The structure solves once the soil has solved.
     phase = "inside_solve" if cell.phase == "after_solve" else cell.phase
     present = table.PARTICIPANTS[:1] if cell.phase == "handshake" and cell.kind != "paused" else table.PARTICIPANTS
     run.start_coupler()
@@ -213,7 +215,8 @@ def play_coupler(run: Run) -> float:
         os.kill(coupler, signal.SIGCONT)
         run.wait_all()
         check_coupler(run)
-        require(all(process.returncode == 0 for process in run.processes.values()), "a complete run ended with an error")
+        require(all(process.returncode == 0 for process in run.processes.values()),
+                "a complete run ended with an error")
         return time.monotonic() - struck
     run.wait_all("coupler")
     seconds = time.monotonic() - struck
@@ -260,7 +263,8 @@ def print_matrix(results: dict[Cell, tuple[float, str]]) -> None:
     for kind, who in rows:
         line = f"{kind + ', ' + who:<28}"
         for phase in table.PHASES:
-            found = [result for cell, result in results.items() if (cell.kind, cell.who, cell.phase) == (kind, who, phase)]
+            found = [result for cell,
+                     result in results.items() if (cell.kind, cell.who, cell.phase) == (kind, who, phase)]
             line += f"{'' if not found else 'WRONG' if found[0][1] else format(found[0][0], '.2f'):>14}"
         print(line)
 

@@ -90,7 +90,8 @@ class ByHand(ForeignCase):
         self.assertEqual(summary["accepted_unconverged"], 0)
 
     def test_an_adapter_for_precice(self) -> None:
-        """As it is, with steps of its own, its names mapped by gabion_names.json; the coupler chooses dt and cuts it."""
+        """The adapter runs unchanged, with steps of its own and names mapped by gabion_names.json; the coupler cuts its
+        dt."""
         run = self.start_coupler_and_soil()
         structure = self.by_hand(PYTHON, "-m", "gabion_participant.precice_names", str(PRECICE / "adapter.py"),
                                  str(PRECICE / "precice-config.xml"), "2e-4", "--coupler", self.endpoint)

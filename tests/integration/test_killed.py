@@ -114,7 +114,7 @@ class Killed(IntegrationCase):
         self.check_results(in_contact=True)
 
     def test_shared_memory_has_no_names(self) -> None:
-        """So that it is gone with the processes, whatever ends them and mpirun."""
+        """Shared memory without a name is gone with the processes, whatever ends them and mpirun."""
         self.write_scene(endless(in_contact=True))
         run = self.start_and_step(ranks={"mpm_solver": 2})
         for pid, name in run.alive().items():

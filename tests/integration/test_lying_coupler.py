@@ -44,7 +44,7 @@ class Liar(IntegrationCase):
         self.assertEqual(self.accept(1).type, "accepted")
 
     def values(self, **changes: object) -> dict[str, np.ndarray]:
-        """Of an undeformed interface without load, changed: shape, value, name."""
+        """Values of an undeformed interface without load, with changes: shape, value, name."""
         how = {"shape": self.shape, "value": 0.0, "name": "wall"} | changes
         array = np.zeros(how["shape"])
         array[-1, -1] = how["value"]

@@ -45,7 +45,8 @@ class OpenSees(ForeignWall):
         self.pass_the_check(self.start_structure)
 
     def test_goes_the_way_of_the_finite_elements(self) -> None:
-        """Until A has gone a fifth of the height: then a section gives way, which a beam's does not."""
+        """The displacements agree until A has moved a fifth of the height: then a section yields, which a beam's does
+        not."""
         self.files["coupler"]["time"]["end"] = 0.012
         self.write_scene(self.files)
         self.couple(self.start_structure)
@@ -73,7 +74,7 @@ class OpenSees(ForeignWall):
         self.assertNotEqual(rows[-1], rows[-2])
 
     def test_a_killed_model_ends_the_run_with_its_name(self) -> None:
-        """In mid-step, and at once; no process is left."""
+        """The model is killed in mid-step, or at once; no process is left."""
         self.files["coupler"]["time"]["end"] = 1.0
         self.write_scene(self.files)
         run = self.start(programs=("coupler", "mpm_solver"))

@@ -43,7 +43,7 @@ class OutputFolder(IntegrationCase):
         self.assertEqual(self.out.read_text(), "mine")
 
     def test_nothing_is_kept_of_what_programs_and_scripts_wrote(self) -> None:
-        """Only a file of the user's is, when the results that it came to are replaced."""
+        """Only a file of the user's is kept, when the results that it was added to are replaced."""
         short = ("--set", "coupler.json:/time/end=0.001", "--set", 'coupler.json:/checkpoint={"steps": 1}')
         kept = self.folder / "out.kept"
         self.run_launch(*short, code=0)
@@ -90,7 +90,7 @@ class InUse(IntegrationCase):
         self.assertEqual((self.out / "mpm" / ".gabion_lock").read_text(), "")
 
     def test_solvers_that_run_alone(self) -> None:
-        """By hand, without scripts/run; the second one on two ranks."""
+        """Solvers are started by hand, without scripts/run; the second one on two ranks."""
         files = endless(in_contact=False)
         self.write_scene({"mpm": {**files["mpm"], **launch.ALONE, "interfaces": []}})
         options = ("--set", "mpm.json:/time/end=1000")
@@ -108,7 +108,7 @@ class NoSpace(IntegrationCase):
     of ENOSPC. SIGXFSZ is ignored, so that the program sees the failed write."""
 
     def start_and_limit(self, program: str, size: int) -> Ended:
-        """From some step on, `program` cannot write a file beyond `size` bytes."""
+        """Start a run in which `program`, from some step on, cannot write a file beyond `size` bytes."""
         self.write_scene(endless(in_contact=True))
         run = self.start_and_step(ignored_signal="XFSZ")
         resource.prlimit(run.pid_of(program), resource.RLIMIT_FSIZE, (size, size))

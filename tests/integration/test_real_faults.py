@@ -53,7 +53,7 @@ def cells() -> list[Cell]:
 
 
 def scene() -> dict[str, dict]:
-    """In contact from the first step."""
+    """A scene in contact from the first step."""
     files = endless(in_contact=True)
     files["coupler"] |= {
         "time": {"end": STEPS * 5e-4, "dt": 5e-4, "dt_min": 1e-6}, "output": {"interval": 1e-3},
@@ -227,7 +227,7 @@ def play_disk(run: Run) -> float:
 
 
 def go_on(run: Run, straight: Path) -> None:
-    """From the last checkpoint to the end; the rows are those of the run without trouble."""
+    """Go on from the last checkpoint to the end; the rows are those of the run without trouble."""
     checkpoints = list((run.out / "checkpoints").glob("step_*/manifest.json"))
     if run.cell.kind != "late" and run.cell.phase != "handshake":
         require(checkpoints, "there is no checkpoint")

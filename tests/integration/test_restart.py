@@ -42,7 +42,7 @@ class RestartCase(IntegrationCase):
         return sorted(path.name for path in (self.folder / out / "checkpoints").glob("step_*"))
 
     def last_step(self, out: str) -> int:
-        """Of the last whole checkpoint; 0: there is none."""
+        """Step of the last whole checkpoint; 0: there is none."""
         whole = (self.folder / out / "checkpoints").glob("step_*/manifest.json")
         return max((int(path.parent.name.removeprefix("step_")) for path in whole), default=0)
 
@@ -84,7 +84,7 @@ class Alone(RestartCase):
             self.goes_on_with(ranks, "mpm_solver")
 
     def goes_on_with(self, ranks: int, program: str) -> None:
-        """On another number of ranks: the same probes but for rounding."""
+        """The run goes on with another number of ranks: the probes are the same but for rounding."""
         self.launch_into("third", "--restart", str(self.folder / "first"), programs=(program,), ranks={program: ranks})
         second, third = (rows_without_seconds(self.folder / run / "probes.csv") for run in ("second", "third"))
         self.assertEqual(len(second), len(third))
@@ -158,7 +158,8 @@ class Alone(RestartCase):
         self.launch_into("first", "--set", "mpm.json:/time/end=0.005", programs=("mpm_solver",))
         self.refused("mpm.json: at /bodies/0/material/young_modulus", "found 900000.0", "allowed: 840000.0",
                      options=("--set", "mpm.json:/bodies/0/material/young_modulus=9e5"))
-        self.refused("mpm.json: at /time/dt:", "found 0.002", "allowed: 0.001", options=("--set", "mpm.json:/time/dt=2e-3"))
+        self.refused("mpm.json: at /time/dt:", "found 0.002", "allowed: 0.001",
+                     options=("--set", "mpm.json:/time/dt=2e-3"))
         self.refused("mpm.json: at /tpic:", "found true", "allowed: nothing", options=("--set", "mpm.json:/tpic=true"))
         self.refused("is at 0.005 s", "/time/end", options=("--set", "mpm.json:/time/end=0.005"))
         self.refused("found no checkpoint", restart="nowhere")

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""scripts/run with the real programs: commands that die at their start, a folder in use, Ctrl-C, what is left behind."""
+"""scripts/run with the real programs: commands that die at their start, a folder in use, Ctrl-C, what is left
+behind."""
 
 import json
 import os

@@ -108,7 +108,7 @@ class Keys(SecurityCase):
         return self.start_coupler("--coupler", self.endpoint, **self.security)
 
     def test_a_run_with_keys_completes(self) -> None:
-        """In C++ and in Python."""
+        """The participants are in C++ and in Python."""
         run = [self.start_secure(), self.start_soil(**self.keys("soil")),
                self.start_structure(**self.keys("structure"))]
         for each in run:

@@ -60,7 +60,7 @@ class Studies(ScriptCase):
             self.assertEqual(found, whole, table)
 
     def run_array(self, out: str) -> None:
-        """As Slurm does: a task a run, all at a time."""
+        """Run an array as Slurm does: a task a run, all at the same time."""
         environment = os.environ | {"PLAN": str(self.plan), "OUTPUT": str(self.folder / out),
                                     "STUDY": str(ROOT / "scripts" / "study")}
         tasks = [subprocess.Popen(["bash", str(SCRIPT)], env=environment | {"SLURM_ARRAY_TASK_ID": str(k)},

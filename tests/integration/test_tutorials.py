@@ -19,7 +19,8 @@ FILE = re.compile(r"^\*\*(\S+)\*\*\n\n```(json|python)\n(.*?)^```$", re.MULTILIN
 # An impact amplifies round-off: other machines give other digits of what the pages show.
 SHARE = 0.1
 NUMBERS = re.compile(r"structure\.(\w+)\.ux: largest ([\d.]+) mm at t = [\d.]+ s, at the end ([\d.]+) mm\n"
-                     r" *horizontal force on the structure: largest ([\d.]+) N/m at t = [\d.]+ s, impulse ([\d.]+) N s/m")
+                     r" *horizontal force on the structure: largest ([\d.]+) N/m at t = [\d.]+ s, "
+                      r"impulse ([\d.]+) N s/m")
 
 
 def files_of(page: str) -> dict[str, str]:
@@ -64,7 +65,8 @@ class FirstScene(TutorialCase):
 
     def test_by_hand(self) -> None:
         """The commands of running.md as they stand there, on the scene of the page, to its end."""
-        block = re.search(r"^    export OMP.*?(?=\n\n)", (ROOT / "docs" / "running.md").read_text(), re.MULTILINE | re.DOTALL)
+        block = re.search(r"^    export OMP.*?(?=\n\n)", (ROOT / "docs" / "running.md").read_text(),
+                          re.MULTILINE | re.DOTALL)
         (self.folder / "build" / "release").mkdir(parents=True)
         (self.folder / "build" / "release" / "bin").symlink_to(launch.binaries)
         os.environ |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}

@@ -46,7 +46,7 @@ def solid(n: int = 10) -> str:
 
 
 def shell(kind: str = "S8R", n: int = 10) -> str:
-    """In the plane y = 0, one element across; wet on both sides is one side: SPOS."""
+    """A shell in the plane y = 0, one element across; wet on both sides is one side: SPOS."""
     per = 2 if kind == "S8R" else 1
 
     def node(i: int, k: int) -> int:

@@ -44,7 +44,7 @@ class FakeCoupler:
         self.endpoint = f"{address}:{port}"
 
     def begin_again(self) -> None:
-        """At time 0, for another participant."""
+        """Begin again at time 0, for another participant."""
         self._sequence, self._time, self._dt = 0, 0.0, 0.1
 
     def close(self) -> None:
@@ -110,7 +110,7 @@ class FakeCoupler:
         return self.ask("solve_step", arrays, step=step, iteration=iteration, time=self._time, dt=dt)
 
     def accept(self, step: int, solved: bool = True, **fields: Any) -> Message:
-        """With the dt of the last solution; time goes on by it."""
+        """Accept a step with the dt of the last solution; time goes on by it."""
         begin, self._time = self._time, self._time + self._dt
         return self.ask("accept_step", step=step, iteration=0, time=begin, dt=self._dt, solved=solved,
                         **({"write_output": False} | fields))

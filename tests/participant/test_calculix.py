@@ -31,7 +31,7 @@ from gabion_participant import END_OF_STEP, STEP_MEAN, ConvergenceError, StepReq
 
 SMALL_WEIGHT = "*STEP\n*STATIC\n*DLOAD\nALL, GRAV, 0.1, 0, -1, 0\n*END STEP\n"
 KINDS = {"C3D20": solid(), "S8R": shell(), "S4": shell("S4"), "B32": beam(), "B31": beam("B31"), "CPE8R": plane()}
-# Of 1 kg in free flight, wet on the top: a cube, and a square.
+# A cube and a square of 1 kg in free flight, wet on the top.
 CUBE = ("*NODE\n1, 0, 0, 0\n2, .1, 0, 0\n3, .1, .1, 0\n4, 0, .1, 0\n"
         "5, 0, 0, .1\n6, .1, 0, .1\n7, .1, .1, .1\n8, 0, .1, .1\n"
         "*ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=FOOT\n1, 2, 3, 4\n"
@@ -159,7 +159,8 @@ class Surfaces(CalculixCase):
         self.assertAlmostEqual(np.sum(normals * corners.mean(axis=1)) / 3, 1e-3, delta=1e-15)
 
     def test_faces_of_every_solid(self) -> None:
-        """Of one element of each shape, moved away from the origin: volume by the divergence theorem, all nodes wet."""
+        """The faces of one element of each shape, away from the origin, give its volume (divergence theorem) and all
+        its nodes."""
         shapes = {"C3D4": 1 / 6, "C3D10": 1 / 6, "C3D6": 1 / 2, "C3D15": 1 / 2, "C3D8": 1.0, "C3D20": 1.0}
         corners = {4: [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)],
                    6: [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1)],

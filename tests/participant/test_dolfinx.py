@@ -28,7 +28,7 @@ KINDS = [(2, CellType.triangle, (1, 2, 3)), (2, CellType.quadrilateral, (1, 2, 3
 
 
 def centre(structure: Structure, u: np.ndarray) -> np.ndarray:
-    """Of mass, moved by [m]."""
+    """Displacement of the centre of mass [m]."""
     nodal = structure.balance.mass_times(u).reshape(-1, structure.dimension)
     return nodal.sum(axis=0) / (DENSITY * np.prod(SIZE[:structure.dimension]))
 
@@ -213,8 +213,8 @@ class History(unittest.TestCase):
         np.testing.assert_array_equal(structure.balance.history.old["touched"].x.array, 1.0)
 
     def test_the_weakening_wall(self) -> None:
-        """Under a uniform stretch of both directions: k = W, d of it; less stretch leaves both. The tangent is the
-        derivative of the forces, while damage grows too."""
+        """Under a uniform stretch of both directions k is W, and d follows from it; less stretch leaves both. The
+        tangent is the derivative of the forces, while damage grows too."""
         structure = Structure(read_model(SCENES / "weakening_wall" / "structure.py"), COMM)
         balance = structure.balance
         places = balance.V.tabulate_dof_coordinates()[:, :2]

@@ -58,7 +58,8 @@ class Install(unittest.TestCase):
         self.python("-m", "pip", "install", "--no-index", "--no-deps", "--target", target, self.source)
         self.check_tree()
         self.check_import(target, target)
-        code = "import importlib.metadata as m; print(m.version('gabion-participant'), m.requires('gabion-participant'))"
+        code = ("import importlib.metadata as m; "
+                "print(m.version('gabion-participant'), m.requires('gabion-participant'))")
         self.assertRegex(self.python("-c", code, path=target), r"^\d+\.\d+\.\d+ \['numpy>=\S+', 'pyzmq>=\S+'\]$")
 
     def test_wheel(self) -> None:

@@ -50,7 +50,7 @@ class NewStructure(unittest.TestCase):
         self.assertIn("100% tests passed, 0 tests failed out of 1", run("ctest", "--test-dir", folder / "build"))
 
     def check(self, folder: Path) -> None:
-        """By the command of its scene, started in the scene's folder, as scripts/run does."""
+        """Check a structure by the command of its scene, started in the scene's folder, as scripts/run does."""
         endpoint = free_endpoint()
         coupler = subprocess.Popen([binaries / "coupler", folder, "--check-participant", "gate", "--coupler", endpoint],
                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)

@@ -79,7 +79,7 @@ class Shapes(unittest.TestCase):
         self.assertAlmostEqual(np.abs(np.diff(surface.coordinates[surface.facets], axis=1)).max(), 0.01)
 
     def test_bends_keep_the_thickness(self) -> None:
-        """Of a closed outline the area is thickness times length: the wedges at the bends cancel."""
+        """The area of a closed outline is thickness times length: the wedges at the bends cancel."""
         area, total = enclosed(outline(BENT, 0.1, 0.1, (1, 1)))
         self.assertAlmostEqual(area, 0.2 * np.linalg.norm(np.diff(BENT, axis=0), axis=1).sum(), delta=1e-14)
         np.testing.assert_allclose(total, 0, atol=1e-14)
@@ -163,7 +163,7 @@ class Work(unittest.TestCase):
                 np.testing.assert_allclose(found, expected, atol=1e-12)
 
     def test_virtual_work(self) -> None:
-        """Against a central difference of the points, the rotation turned by spins; order 2."""
+        """Forces do the work of a central difference of the points, the rotation turned by spins; order 2."""
         for name, surface in surfaces().items():
             with self.subTest(name):
                 dimension = surface.nodes.shape[1]

@@ -373,7 +373,7 @@ class Serve(ParticipantCase):
 
 
 class FakeComm:
-    """Of mpi4py, for ranks that are threads: what rank 0 sends the other one receives."""
+    """A communicator as of mpi4py, for ranks that are threads: what rank 0 sends the other one receives."""
 
     size = 2
 
@@ -451,7 +451,8 @@ class Ranks(ParticipantCase):
                   "from gabion_participant.rank_watch import RankWatch\n"
                   f"with RankWatch('wall', [ProcessIdentity(*{identity})]):\n    print('here', flush=True)\n"
                   "    time.sleep(1000)\n")
-        led = subprocess.Popen([sys.executable, "-c", leader], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        led = subprocess.Popen([sys.executable, "-c", leader], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               text=True,
                                env={**os.environ, "PYTHONPATH": str(ROOT / "protocol" / "python")})
         self.addCleanup(led.kill)
         self.assertEqual(led.stdout.readline(), "here\n")
@@ -563,7 +564,8 @@ class Deadlines(ParticipantCase):
 
     def test_an_idle_coupler(self) -> None:
         self.begin(idle_deadline=0.3)
-        self.assertRegex(self.end(), r"alive but has asked nothing for .* s \(limit 0.3 s, option protocol/idle_deadline")
+        self.assertRegex(self.end(),
+                         r"alive but has asked nothing for .* s \(limit 0.3 s, option protocol/idle_deadline")
 
     def test_a_dead_coupler(self) -> None:
         self.begin(process=GONE)

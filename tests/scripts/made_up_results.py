@@ -78,7 +78,8 @@ def write_series(folder: Path, name: str, frames: list[tuple]) -> None:
     for number, (time, points, cells, fields) in enumerate(frames):
         file = f"{name}_{number:06d}.h5"
         write_frame(folder / file, points, cells, fields)
-        kind = "Polyvertex" if cells is None else {2: "Polyline", 3: "Triangle", 4: "Quadrilateral", 8: "Hexahedron"}[cells.shape[1]]
+        kind = "Polyvertex" if cells is None else {2: "Polyline", 3: "Triangle", 4: "Quadrilateral",
+                                                   8: "Hexahedron"}[cells.shape[1]]
         topology = "" if cells is None else xdmf_item(file, "connectivity", cells)
         attributes = "".join(
             f'<Attribute Name="{field}" Center="Node">{xdmf_item(file, field, values)}</Attribute>'
@@ -125,7 +126,8 @@ def structure_frames() -> list[tuple]:
 def write_contact(folder: Path, name: str = "wall", first: int = 2) -> Path:
     """Pressure 1000 (1 - y / 0.1 m) t on the upright line x = 0.25 m + t / 10.
 
-    It begins in frame `first`; before, the gap is NaN. Facets of 0.01 m, written from the top down and one of them out of order.
+    It begins in frame `first`; before, the gap is NaN. Facets of 0.01 m, written from the top down and one of them out
+    of order.
     """
     y = np.linspace(0.1, 0, 11)
     cells = np.column_stack([np.arange(10), np.arange(1, 11)])[[1, 0, *range(2, 10)]]
@@ -153,7 +155,8 @@ def write_results(folder: Path, scale: float = 1.0, iterations: int = 5) -> Path
 
 
 def write_rigid_walls(folder: Path) -> Path:
-    """To results in 2D: a bed at rest, longer than the scene, and a lid that falls 0.1 m/s and is dropped at 0.25 s."""
+    """Add rigid walls to results in 2D: a bed at rest, longer than the scene, and a lid that falls 0.1 m/s and is
+    dropped at 0.25 s."""
     bed, lid = [], []
     cells = np.array([[1, 2], [0, 1]])  # out of order
     for time in np.linspace(0, END, 6):
@@ -185,7 +188,8 @@ def write_kind(folder: Path, kind: str) -> Path:
             *(f'participant "soil": Newton, iteration {k}: iteration limit reached; worst grid node {k} at (0.1, 0.2)'
               for k in (20, 21)), "the residual grows")]
     if kind in ("failed", "stopped"):
-        summary |= {"completed": False, "reason": REASON if kind == "failed" else "interrupted by signal 15 (Terminated)"}
+        summary |= {"completed": False,
+                    "reason": REASON if kind == "failed" else "interrupted by signal 15 (Terminated)"}
     if kind == "stopped":
         (folder / "checkpoints" / "step_000500").mkdir(parents=True)
         (folder / "checkpoints" / "step_000500" / "manifest.json").write_text("{}")
@@ -221,7 +225,7 @@ def add_cut(folder: Path) -> None:
 
 
 def pid_of_the_dead() -> int:
-    """Of a process that has ended."""
+    """Number of a process that has ended."""
     ended = subprocess.Popen(["true"])
     ended.wait()
     return ended.pid

@@ -74,7 +74,8 @@ class RunOut(ScriptCase):
 
     def test_the_scene_is_one_of_the_study(self) -> None:
         scene = json.loads((ROOT / "configs" / run_out_3d.SCENE / "mpm.json").read_text())
-        settings = dict(text.removeprefix("mpm.json:/").split("=", 1) for text in run_out_3d.Cylinder(0.9).settings("cylinder.msh"))
+        settings = dict(text.removeprefix("mpm.json:/").split("=", 1)
+                        for text in run_out_3d.Cylinder(0.9).settings("cylinder.msh"))
         self.assertEqual(scene["grid"], json.loads(settings["grid"]))
         self.assertEqual(scene["bodies"][0]["mesh"], json.loads(settings["bodies/0/mesh"]))
         for key, value in scene["time"].items():
@@ -94,17 +95,21 @@ class Ranks(ScriptCase):
         self.assertEqual(ranks.count_of(self.folder), ranks.Count(1000, 2, 8, 80, 2.0, 5, 0.5))
         self.assertEqual(ranks.count_of(self.folder).computing, 0.5 / 8)
         soil["ranks"] = {"number": 2, "largest_share": 1.1, "neighbours": 1}
-        soil["mpi"] = {"messages": {"largest_rank": 30, "all_ranks": 50}, "message_bytes": {"largest_rank": 7, "all_ranks": 9},
-                       "collectives": {"largest_rank": 3, "all_ranks": 6}, "waiting_seconds": {"largest_rank": 1, "all_ranks": 1}}
+        soil["mpi"] = {"messages": {"largest_rank": 30, "all_ranks": 50},
+                       "message_bytes": {"largest_rank": 7, "all_ranks": 9},
+                       "collectives": {"largest_rank": 3, "all_ranks": 6},
+                       "waiting_seconds": {"largest_rank": 1, "all_ranks": 1}}
         (self.folder / "summary.json").write_text(json.dumps({"cpu_seconds": 0.5, "solver": soil}))
         self.assertEqual(ranks.count_of(self.folder), ranks.Count(1000, 2, 8, 80, 2.0, 5, 0.5, 1.1, 1, 30, 7, 3, 0.25))
 
     def test_a_row(self) -> None:
-        self.assertEqual(ranks.row(8, self.EIGHT, self.ONE), [8, 4, 4, 10, 0.25, 1.2, 7, 100, 400, 200, 800, 50, "25 %"])
+        self.assertEqual(ranks.row(8, self.EIGHT, self.ONE),
+                         [8, 4, 4, 10, 0.25, 1.2, 7, 100, 400, 200, 800, 50, "25 %"])
 
     def test_the_model_gives_back_what_was_counted(self) -> None:
         parts = ranks.modelled(self.ONE, self.EIGHT, (8, 8), 3, 1)
-        np.testing.assert_allclose(parts, [0.2 / 8 * 1.2, 100 * ranks.LATENCY, 2e5 / ranks.BANDWIDTH, 50 * 3 * ranks.LATENCY])
+        np.testing.assert_allclose(parts,
+                                   [0.2 / 8 * 1.2, 100 * ranks.LATENCY, 2e5 / ranks.BANDWIDTH, 50 * 3 * ranks.LATENCY])
 
     def test_the_model_grows_like_surface_and_volume(self) -> None:
         few = ranks.modelled(self.ONE, self.EIGHT, (8, 64), 3, 8)

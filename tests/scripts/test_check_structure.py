@@ -80,7 +80,8 @@ class CheckStructure(ScriptCase):
         self.expect_breach("coupler/a.cpp", SPDX + "template <class A, class B>\nint A<B>::f(int a, B<int, int> b, "
                            "int c,\n  int d, int e, int f) const {\n  return [](int x) { return x; }(a);\n}\n",
                            "6 parameters")
-        self.write("coupler/a.cpp", SPDX + "A::A(int a, int b) : a_{a}, b_(b) {}\nvoid f();\nint x = f(1, 2, 3, 4, 5, 6);\n")
+        self.write("coupler/a.cpp",
+                   SPDX + "A::A(int a, int b) : a_{a}, b_(b) {}\nvoid f();\nint x = f(1, 2, 3, 4, 5, 6);\n")
         self.assertEqual(self.breaches(), [])
 
     def test_one_name_one_type(self) -> None:
@@ -123,6 +124,14 @@ class CheckStructure(ScriptCase):
         self.expect_breach("coupler/a.hpp", SPDX, "#pragma once")
         self.write("coupler/a.hpp", "#pragma once\n")
         self.assertIn("SPDX", self.breaches()[0])
+
+    def test_long_lines_of_python(self) -> None:
+        head = "#!/usr/bin/python3\n# SPDX-License-Identifier: BSD-3-Clause\n"
+        self.write("scripts/plot", head + "a" * 120 + "\n")
+        self.write("scripts/go", "#!/bin/bash\n# SPDX-License-Identifier: BSD-3-Clause\n" + "a" * 121 + "\n")
+        self.write("configs/a/table.csv", "a" * 121 + "\n")
+        self.assertEqual(self.breaches(), [])
+        self.expect_breach("scripts/plot", head + "ä" * 121 + "\n", "scripts/plot:3", "121 characters")
 
     def test_script_without_licence(self) -> None:
         self.expect_breach("scripts/go.sh", "#!/bin/sh\n", "SPDX")

@@ -28,7 +28,8 @@ class Deposits(ScriptCase):
     def run_of(self, *frames: tuple) -> Results:
         """Frames have three coordinates in the plane too, as those of the programs."""
         dim = frames[0][1].shape[1]
-        padded = [(time, np.pad(points, ((0, 0), (0, 3 - dim))), cells, fields) for time, points, cells, fields in frames]
+        padded = [(time, np.pad(points, ((0, 0), (0, 3 - dim))), cells, fields) for time, points, cells,
+                  fields in frames]
         made_up.write_series(self.folder / "mpm", "soil", padded)
         made_up.write_table(self.folder / "probes.csv", ["time", f"soil.A.u{'xyz'[dim - 1]}"], [[0, 0]])
         return Results(self.folder)
@@ -103,7 +104,8 @@ class Deposits(ScriptCase):
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         names = [Path(line).name for line in result.stdout.splitlines()[:-1]]
         self.assertEqual(names, ["depth.asc", "opened.asc", "max_depth.asc", "max_speed.asc", "deposit.png"])
-        self.assertIn("1 s: 0.024 m³ of soil at rest, +0 by opening, depth up to 0.2 m, up to 0.4 m so far, speed up to 2 m/s", result.stdout)
+        self.assertIn("1 s: 0.024 m³ of soil at rest, +0 by opening, depth up to 0.2 m, up to 0.4 m so far, speed up "
+                      "to 2 m/s", result.stdout)
         lines = (self.folder / "deposit" / "max_depth.asc").read_text(encoding="utf-8").splitlines()
         head = dict(line.split() for line in lines[:6])
         self.assertEqual((head["ncols"], head["nrows"], float(head["cellsize"])), ("2", "3", 0.2))

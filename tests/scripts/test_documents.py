@@ -164,7 +164,8 @@ class Findings(ScriptCase):
         self.write("soil/grid.cpp", "void map_points() {}\n")
         self.write("docs/theory/soil.md", "    a = b     (S1)\n\n`soil/grid.cpp: map_points`\n\n    c = d     (S2)\n")
         self.assertEqual([*missing_functions(self.folder), *repeated_numbers(self.folder)], [])
-        self.write("docs/theory/soil.md", "    a = b     (S1)\n\n`soil/grid.cpp: map`, `soil/no.cpp: x`\n\n    c     (S1)\n")
+        self.write("docs/theory/soil.md",
+                   "    a = b     (S1)\n\n`soil/grid.cpp: map`, `soil/no.cpp: x`\n\n    c     (S1)\n")
         self.assertEqual([*missing_functions(self.folder), *repeated_numbers(self.folder)],
                          ["soil.md: no map in soil/grid.cpp", "soil.md: soil/no.cpp is not there",
                           "soil.md: equations S1 S1"])

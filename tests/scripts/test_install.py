@@ -30,7 +30,8 @@ class Install(ScriptCase):
     def call(self, *command: object, code: int = 0) -> str:
         environment = {"PATH": f"{self.prefix / 'bin'}:/usr/bin:/bin", "HOME": str(self.folder)}
         environment |= {key: os.environ[key] for key in ("TMPDIR",) if key in os.environ}
-        done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              text=True,
                               cwd=self.folder, env=environment, timeout=200, check=False)
         self.assertEqual(done.returncode, code, f"{command}\n{done.stdout}")
         return done.stdout
@@ -44,9 +45,12 @@ class Install(ScriptCase):
         summary = json.loads((self.folder / "results/scene/summary.json").read_text(encoding="utf-8"))
         self.assertIs(summary["completed"], True)
         self.call("gabion", "run", self.tree / "configs/slope_section", "--check")
-        self.assertIn("oedometer", self.call("gabion", "element-test", "scene", "--test", "oedometer", "--stress", "100e3"))
-        self.assertIn(str(self.tree), self.call("/usr/bin/python3", "-c", "import sys; sys.path.insert(0, sys.argv[1]); import "
-                                                "gabion; print(gabion.ROOT)", self.prefix / "lib/python3/dist-packages"))
+        self.assertIn("oedometer",
+                      self.call("gabion", "element-test", "scene", "--test", "oedometer", "--stress", "100e3"))
+        self.assertIn(str(self.tree),
+                      self.call("/usr/bin/python3", "-c", "import sys; sys.path.insert(0, sys.argv[1]); import "
+                                                "gabion; print(gabion.ROOT)",
+                                self.prefix / "lib/python3/dist-packages"))
 
     def test_pages_and_words(self) -> None:
         for name in ("docs/keys/mpm.schema.json", "docs/guide.md", "CITATION.cff", "README.md", "protocol/README.md"):
@@ -63,7 +67,8 @@ class Install(ScriptCase):
         self.assertIn("files that were not installed", said)
         left = [path for path in self.prefix.rglob("*") if not path.is_dir()]
         self.assertEqual(left, [own])
-        missing = self.call("cmake", "-D", f"manifest={self.folder / 'none'}", "-P", ROOT / "cmake/uninstall.cmake", code=1)
+        missing = self.call("cmake", "-D", f"manifest={self.folder / 'none'}", "-P", ROOT / "cmake/uninstall.cmake",
+                            code=1)
         self.assertIn("nothing says what was installed", missing)
 
 

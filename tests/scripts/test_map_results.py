@@ -69,8 +69,8 @@ class Layout(MapCase):
     def test_what_the_folder_does_not_say(self) -> None:
         code, said = self.terrain()
         self.assertEqual(code, 2)
-        self.assertIn("--set friction=NUMBER --set barrier/height=NUMBER --set barrier/thickness=NUMBER; without the barrier: "
-                      "--set barrier=null", said)
+        self.assertIn("--set friction=NUMBER --set barrier/height=NUMBER --set barrier/thickness=NUMBER; without the "
+                      "barrier: --set barrier=null", said)
         self.assertIn("says nothing of friction", self.terrain("--set", "barrier=null")[1])
         code, said = self.terrain("--set", "barrier=null", "--set", "friction=0.6", "--set", "cell_size=2")
         self.assertEqual(code, 0, said)
@@ -79,8 +79,10 @@ class Layout(MapCase):
         self.assertIn("fricton: unknown", self.terrain(*self.asked, "--set", "fricton=1", "--replace")[1])
 
     def test_changes_that_cannot_be(self) -> None:
-        for change, words in (("slide=5", "--set/slide: found 5, allowed: an object"), ("time=3", "--set/time: found 3"),
-                              ("cell_size=abc", "--set/cell_size: found 'abc'"), ("area=[1, 2]", "--set/area: found [1, 2]"),
+        for change, words in (("slide=5", "--set/slide: found 5, allowed: an object"),
+                              ("time=3", "--set/time: found 3"),
+                              ("cell_size=abc", "--set/cell_size: found 'abc'"),
+                              ("area=[1, 2]", "--set/area: found [1, 2]"),
                               ("area=none.shp", "none.shp: no such file"),
                               ("slide/depth=-1", "/slide/depth: found -1"), ("gaps=maybe", "/gaps: found 'maybe'"),
                               ("friction=-1", "--set/friction: found -1"), ("gauges=1", "/gauges: found 1")):
@@ -94,7 +96,8 @@ class Layout(MapCase):
 
     def test_doubled_missing_and_empty_files(self) -> None:
         self.slope("Inputs/other.tif")
-        self.assertIn("found as slope: dem.tif, other.tif, allowed: one, or the choice: --set slope=FILE", self.terrain(*self.asked)[1])
+        self.assertIn("found as slope: dem.tif, other.tif, allowed: one, or the choice: --set slope=FILE",
+                      self.terrain(*self.asked)[1])
         code, said = self.terrain(*self.asked, "--set", f"slope={self.folder}/Inputs/other.tif")
         self.assertEqual(code, 0, said)
         (self.folder / "Inputs" / "other.tif").unlink()
@@ -108,7 +111,8 @@ class Layout(MapCase):
         self.assertEqual(code, 0, said)
 
     def test_blocks_on_a_plane(self) -> None:
-        """From rest down a plane of slope 1 and then level ground: friction times the level way is the height lost."""
+        """Blocks slide from rest down a slope of 1 and on level ground: the height lost is friction times the level
+        distance."""
         x = np.arange(200.0)
         ground = np.maximum(0, 50 - x)
         raster = Raster(Path("a"), 0.0, 0.0, 1.0, np.tile(ground, (20, 1)))
@@ -120,13 +124,15 @@ class Layout(MapCase):
         self.assertEqual(reach_of(raster, np.array([[10.0, 10.0]]), 0.5, 0.05).left, 1)
 
     def test_changes(self) -> None:
-        self.assertEqual(read_changes(["a/b=1", "a/c=x y", "d=[1, 2]", "e=null"]), {"a": {"b": 1, "c": "x y"}, "d": [1, 2], "e": None})
+        self.assertEqual(read_changes(["a/b=1", "a/c=x y", "d=[1, 2]", "e=null"]),
+                         {"a": {"b": 1, "c": "x y"}, "d": [1, 2], "e": None})
         for wrong in ("a", "=1", "a//b=1", "a/=2"):
             with self.assertRaisesRegex(TerrainError, "allowed: KEY=VALUE"):
                 read_changes([wrong])
         with self.assertRaisesRegex(TerrainError, "a has a value already"):
             read_changes(["a=1", "a/b=2"])
-        self.assertEqual(changed({"a": {"b": 1, "c": 2}, "d": 3}, {"a": {"b": 4}, "e": 5}), {"a": {"b": 4, "c": 2}, "d": 3, "e": 5})
+        self.assertEqual(changed({"a": {"b": 1, "c": 2}, "d": 3}, {"a": {"b": 4}, "e": 5}),
+                         {"a": {"b": 4, "c": 2}, "d": 3, "e": 5})
 
 
 class ResultsOnTheMap(MapCase):
@@ -136,7 +142,8 @@ class ResultsOnTheMap(MapCase):
         self.vector("slide.shp", [(f"POLYGON ({square(10, 10, 10)})", {})])
         line = [[WEST + 40, SOUTH + 10], [WEST + 40, SOUTH + 20]]
         self.made = make(self.read(gauges=[{"name": "g", "line": line, "height": 2}],
-                                   barrier={"line": [[WEST + 50, SOUTH + 10], [WEST + 50, SOUTH + 20]], "height": 2, "thickness": 1}))
+                                   barrier={"line": [[WEST + 50, SOUTH + 10], [WEST + 50, SOUTH + 20]], "height": 2,
+                                            "thickness": 1}))
         write_scene(self.made, self.folder / "scene")
         self.run = self.folder / "run"
         ticks = [np.arange(0.25, length, 0.5) for length in (4, 4, 1)]
@@ -144,12 +151,14 @@ class ResultsOnTheMap(MapCase):
         frames = []
         for time, way, speed in ((0.0, 0, 0.0), (1.0, 2, 3.0), (2.0, 6, 0.0)):
             velocity = np.tile([speed, 0, 0], (len(box), 1))
-            frames.append((time, box + [way, 0, 0], None, {"velocity": velocity, "volume": np.full(len(box), 0.125 * 1.25),
+            frames.append((time, box + [way, 0, 0], None,
+                           {"velocity": velocity, "volume": np.full(len(box), 0.125 * 1.25),
                                                            "volume_ratio": np.full(len(box), 1.25)}))
         made_up.write_series(self.run / "mpm", "soil", frames)
         made_up.write_table(self.run / "probes.csv", ["time", "soil.A.uz"], [[0, 0]])
         self.write("run/mpm/resolved_config.json", json.dumps({"mpm.json": {
-            "gravity": [0, 0, -9.81], "origin": self.made.origin.tolist(), "bodies": [{"material": {"density": 1800}}]}}))
+            "gravity": [0, 0, -9.81], "origin": self.made.origin.tolist(),
+            "bodies": [{"material": {"density": 1800}}]}}))
 
     def test_rasters_lie_on_the_cells_of_the_slope(self) -> None:
         ended = self.python_script("map", self.run, self.folder / "scene")
@@ -162,7 +171,8 @@ class ResultsOnTheMap(MapCase):
                     "max_dynamic_pressure": {10: 0, 12: 12960, 14: 12960, 16: 0, 18: 0}}
         for name, columns in expected.items():
             data = gdal.Open(str(self.run / "map" / f"{name}.tif"))
-            self.assertEqual((data.RasterXSize, data.RasterYSize, data.GetGeoTransform()), (40, 24, slope.GetGeoTransform()))
+            self.assertEqual((data.RasterXSize, data.RasterYSize, data.GetGeoTransform()),
+                             (40, 24, slope.GetGeoTransform()))
             self.assertTrue(data.GetSpatialRef().IsSame(slope.GetSpatialRef()))
             values = np.full((24, 40), -9999.0)
             for x, value in columns.items():
@@ -198,19 +208,22 @@ class ResultsOnTheMap(MapCase):
 
     def test_sections(self) -> None:
         self.enterContext(mock.patch("terrain_scene.on_map.draw_map"))
-        self.vector("lines.gpkg", [(f"LINESTRING ({WEST + 8} {SOUTH + 12}, {WEST + 24} {SOUTH + 12})", {"name": "down the slope"})], 4326)
+        self.vector("lines.gpkg", [(f"LINESTRING ({WEST + 8} {SOUTH + 12}, {WEST + 24} {SOUTH + 12})",
+                                    {"name": "down the slope"})], 4326)
         ended = self.python_script("map", self.run, self.folder / "scene", "--section", self.folder / "lines.gpkg")
         self.assertEqual(ended.returncode, 0, ended.stderr)
         table = np.genfromtxt(self.run / "map" / "section_down_the_slope.csv", delimiter=",", names=True)
         np.testing.assert_allclose(table["way"][[0, -1]], [0, 16], atol=1e-2)
-        np.testing.assert_allclose(table["ground"], 700 - 0.4 * (table["x"] - WEST - 1) + 0.1 * (table["y"] - SOUTH - 1), atol=1e-4)
+        np.testing.assert_allclose(table["ground"],
+                                   700 - 0.4 * (table["x"] - WEST - 1) + 0.1 * (table["y"] - SOUTH - 1), atol=1e-4)
         wet = table["x"][np.isfinite(table["max_depth"])]
         self.assertTrue(9.9 < wet.min() - WEST < 11.1 and 19 < wet.max() - WEST < 20.1)
         self.assertTrue((self.run / "map" / "section_down_the_slope.png").exists())
 
     def test_what_does_not_belong_together(self) -> None:
         settings = json.loads((self.folder / "scene" / "map.json").read_text())
-        for text, words in (("{}", "map.json"), (json.dumps(settings | {"origin": [0, 0, 0]}), "allowed: results of that scene"),
+        for text, words in (("{}", "map.json"),
+                            (json.dumps(settings | {"origin": [0, 0, 0]}), "allowed: results of that scene"),
                             (json.dumps(settings | {"slope": "gone.tif"}), "no such raster")):
             self.write("scene/map.json", text)
             ended = self.python_script("map", self.run, self.folder / "scene")
@@ -239,7 +252,8 @@ class ResultsOnTheMap(MapCase):
         self.assertGreater(normals[:, 2].sum() / 2, 0.8 * 59**2)
     def test_every_picture_of_a_scene_in_space_shows_the_ground(self) -> None:
         settings = json.loads((self.run / "mpm" / "resolved_config.json").read_text())
-        settings["mpm.json"]["rigid_walls"] = [{"name": "terrain", "surface": {"triangles": "terrain.ply", "normals": "up"}}]
+        settings["mpm.json"]["rigid_walls"] = [{"name": "terrain",
+                                                "surface": {"triangles": "terrain.ply", "normals": "up"}}]
         self.write("run/mpm/resolved_config.json", json.dumps(settings))
         points = np.array([(0, 0, 8), (20, 0, 0), (20, 20, 0), (0, 20, 8)], dtype=float)
         cells = np.array([(0, 1, 2), (0, 2, 3)])
@@ -256,7 +270,8 @@ class ResultsOnTheMap(MapCase):
             faces = sum(len(part.get_paths()) for part in each.collections)
             self.assertGreater(faces, 2)
             drawn = np.vstack([part.get_facecolor()[:, :3] for part in each.collections])
-            self.assertTrue(np.isclose(drawn / drawn.max(axis=1, keepdims=True).clip(1e-9), FLOOR / FLOOR[0], atol=0.01).all(axis=1).any())
+            self.assertTrue(np.isclose(drawn / drawn.max(axis=1, keepdims=True).clip(1e-9), FLOOR / FLOOR[0],
+                                       atol=0.01).all(axis=1).any())
         plt.close(figure)
         packed = Packer(results).pack()["ground"]
         corners = np.frombuffer(base64.b64decode(packed["corners"]), "<i4").reshape(2, 3, 2)

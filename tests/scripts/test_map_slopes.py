@@ -30,7 +30,7 @@ def facet_heights(path: Path, places: np.ndarray) -> np.ndarray:
 
 
 def height_of(triangles: np.ndarray, x: float, y: float) -> float:
-    """Of the triangle over a place, by its weights."""
+    """Height of the triangle over a place, by its weights."""
     a, b, c = (triangles[:, k] for k in range(3))
     area = np.cross(b[:, :2] - a[:, :2], c[:, :2] - a[:, :2])
     place = np.array([x, y])
@@ -73,7 +73,8 @@ class Gaps(MapCase):
         self.refused("gauge a: line: found a part where the slope has no data", gaps="open",
                      gauges=[{"name": "a", "line": [[WEST + 61, SOUTH + 20], [WEST + 61, SOUTH + 40]], "height": 2}])
         self.vector("there.gpkg", [(f"POLYGON ({square(54, 30, 7)})", {})])
-        self.refused("slide: found a part where the slope has no data", gaps="open", slide={"polygon": "there.gpkg", "depth": 1})
+        self.refused("slide: found a part where the slope has no data", gaps="open",
+                     slide={"polygon": "there.gpkg", "depth": 1})
 
 
 class Depths(MapCase):
@@ -89,7 +90,8 @@ class Depths(MapCase):
                      slide={"polygon": "slide.shp", "depth": {"field": "thickness", "across_slope": 1}})
 
     def test_facets_do_not_rise_into_thin_soil(self) -> None:
-        """A warped cell under soil of a quarter of a cell: below points at quarters of a cell its facets are off by a share."""
+        """A warped cell under soil of a quarter of a cell: below points at quarters of a cell its facets are off by a
+        share."""
         z = np.zeros((3, 3))
         z[1, 1] = -0.2
         slope, depth = Slope(1.0, z), np.full((2, 2), 0.25)
@@ -126,12 +128,14 @@ class Depths(MapCase):
         self.assertEqual(made.facets.spacing, 1)
         self.assertTrue(any("columns start up to" in note for note in made.plan.notes))
         points = made.columns.nodes[made.columns.cells]
-        for share in (0.25, 0.75):  # along x and y of each column; its lowest points lie a quarter of a layer above its bottom
+        # along x and y of each column; its lowest points lie a quarter of a layer above its bottom
+        for share in (0.25, 0.75):
             place = (1 - share) * points[:, 0, :2] + share * points[:, 2, :2]
             warped = np.array([made.slope.at(*each) for each in place])
             bottom = warped + points[:, 0, 2] - np.array([made.slope.at(*each) for each in points[:, 0, :2]])
             write_ply(made.facets, self.folder / "a.ply")
-            self.assertLess((facet_heights(self.folder / "a.ply", place) - bottom)[:len(place)].max(), BULGE * 0.6 + 1e-6)
+            self.assertLess((facet_heights(self.folder / "a.ply", place) - bottom)[:len(place)].max(),
+                            BULGE * 0.6 + 1e-6)
 
 if __name__ == "__main__":
     unittest.main()

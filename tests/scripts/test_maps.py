@@ -17,19 +17,23 @@ from terrain_scene.scene import make
 
 class Polygons(MapCase):
     def test_every_format_has_the_same_volume(self) -> None:
-        """A square of 12 m with a hole of 4 m, and another square, in two features or one of two parts; turned from degrees."""
+        """A square of 12 m with a hole of 4 m, and another square, in two features or one of two parts; turned from
+        degrees."""
         holed = f"({square(10, 10, 12)}, {square(14, 14, 4, False)})"
         volume = 1.5 * (144 - 16 + 36)
-        for name, number in (("a.shp", LAMBERT), ("a.gpkg", LAMBERT), ("b.gpkg", 4326), ("c.gpkg", 32633), ("a.geojson", 4326),
+        for name, number in (("a.shp", LAMBERT), ("a.gpkg", LAMBERT), ("b.gpkg", 4326), ("c.gpkg", 32633),
+                             ("a.geojson", 4326),
                              ("a.kml", 4326)):
             for parts in ([f"POLYGON {holed}", f"POLYGON ({square(30, 20, 6)})"],
                           [f"MULTIPOLYGON ({holed}, ({square(30, 20, 6, False)}))"]):
                 self.vector(name, [(text, {}) for text in parts], number)
                 plan = self.read(slide={"polygon": name, "depth": 1.5})
                 made = make(plan)
-                self.assertAlmostEqual(made.columns.asked, volume, delta=2e-3 * volume if number != LAMBERT else 1e-9, msg=name)
+                self.assertAlmostEqual(made.columns.asked, volume, delta=2e-3 * volume if number != LAMBERT else 1e-9,
+                                       msg=name)
                 # Sides turned from another projection do not follow the cells, whose samples count as a whole.
-                self.assertAlmostEqual(made.columns.filled, volume, delta=0.02 * volume if number != LAMBERT else 1e-9, msg=name)
+                self.assertAlmostEqual(made.columns.filled, volume, delta=0.02 * volume if number != LAMBERT else 1e-9,
+                                       msg=name)
                 self.assertEqual(any("turned from" in note for note in plan.notes), number != LAMBERT, plan.notes)
                 self.remove(name)
 
@@ -38,12 +42,14 @@ class Polygons(MapCase):
         depth = {"field": "THICKNESS"}
         for first, second in ((1.0, 2.0), ("1.0", "2")):
             self.vector("slide.shp", [(shapes[0], {"thickness": first}), (shapes[1], {"thickness": second})])
-            self.assertAlmostEqual(make(self.read(slide={"polygon": "slide.shp", "depth": depth})).columns.asked, 300, delta=1e-9)
+            self.assertAlmostEqual(make(self.read(slide={"polygon": "slide.shp", "depth": depth})).columns.asked, 300,
+                                   delta=1e-9)
             self.remove("slide.shp")
         for wrong in (0.0, -1.0, "None", "", None):
             self.vector("slide.shp", [(shapes[0], {"thickness": "1" if isinstance(wrong, str) else 1.0}),
                                       (shapes[1], {"thickness": wrong} if wrong is not None else {})])
-            self.refused("plan.json/slide/depth/field: ", "slide.shp: feature 1: thickness: found", "allowed: a number > 0",
+            self.refused("plan.json/slide/depth/field: ", "slide.shp: feature 1: thickness: found",
+                         "allowed: a number > 0",
                          slide={"polygon": "slide.shp", "depth": depth})
             self.remove("slide.shp")
         self.vector("slide.shp", [(shapes[0], {"d": 1.0})])
@@ -53,8 +59,8 @@ class Polygons(MapCase):
 
     def test_shapes_that_cannot_be_are_named_with_their_place(self) -> None:
         good = (f"POLYGON ({square(10, 10, 10)})", {})
-        bow = f"POLYGON (({WEST + 10} {SOUTH + 10}, {WEST + 20} {SOUTH + 20}, {WEST + 20} {SOUTH + 10}, {WEST + 10} {SOUTH + 20}, " \
-              f"{WEST + 10} {SOUTH + 10}))"
+        bow = f"POLYGON (({WEST + 10} {SOUTH + 10}, {WEST + 20} {SOUTH + 20}, {WEST + 20} {SOUTH + 10}, " \
+              f"{WEST + 10} {SOUTH + 20}, {WEST + 10} {SOUTH + 10}))"
         for words, features in (
                 (("feature 2: found a polygon that is none", "Self-intersection", "400015 400015"), [good, (bow, {})]),
                 (("feature 1: found a polygon that is none", "Hole lies outside"),
@@ -64,18 +70,21 @@ class Polygons(MapCase):
                 (("feature 2: found no geometry",), [good, (None, {})]),
                 (("feature 1: found a linestring, allowed: a polygon",), [(f"LINESTRING {square(10, 10, 9)}", {})]),
                 (("found no feature",), []),
-                (("polygon 2: found (400090, 400010) outside the area",), [good, (f"POLYGON ({square(90, 10, 5)})", {})])):
+                (("polygon 2: found (400090, 400010) outside the area",),
+                 [good, (f"POLYGON ({square(90, 10, 5)})", {})])):
             self.vector("slide.gpkg", features)
             self.refused("slide.gpkg" if "polygon 2" not in words[0] else "plan.json/slide/polygon", *words,
                          slide={"polygon": "slide.gpkg", "depth": 1})
             self.remove("slide.gpkg")
         rows = [[WEST + x, SOUTH + y] for x, y in ((10, 10), (20, 20), (20, 10), (10, 20))]
-        self.refused("plan.json/slide/polygon: found sides that cross at (400015, 400015)", slide={"polygon": rows, "depth": 1})
+        self.refused("plan.json/slide/polygon: found sides that cross at (400015, 400015)",
+                     slide={"polygon": rows, "depth": 1})
 
     def test_layers_and_files_that_are_not_there(self) -> None:
         self.vector("a.gpkg", [(f"POLYGON ({square(10, 10, 10)})", {})], layer="one")
         self.vector("a.gpkg", [(f"POLYGON ({square(10, 10, 5)})", {})], layer="two")
-        self.refused("found the layers one, two, allowed: one", "a.gpkg|layername=NAME", slide={"polygon": "a.gpkg", "depth": 1})
+        self.refused("found the layers one, two, allowed: one", "a.gpkg|layername=NAME",
+                     slide={"polygon": "a.gpkg", "depth": 1})
         self.refused("found the layers one, two", slide={"polygon": "a.gpkg|layername=three", "depth": 1})
         made = make(self.read(slide={"polygon": "a.gpkg|layername=two", "depth": 1}))
         self.assertAlmostEqual(made.columns.asked, 25, delta=1e-9)
@@ -121,7 +130,8 @@ class Projections(MapCase):
 
     def test_a_projection_that_cannot_be(self) -> None:
         self.vector("slide.shp", self.square)
-        self.refused("plan.json/projection: found MGI / Austria GK West", "names MGI / Austria Lambert", projection="EPSG:31254")
+        self.refused("plan.json/projection: found MGI / Austria GK West", "names MGI / Austria Lambert",
+                     projection="EPSG:31254")
         self.refused("plan.json/projection: found the projection \"EPSG:0\"", projection="EPSG:0")
         self.refused("plan.json/projection: found 5", projection=5)
         self.read(projection=f"EPSG:{LAMBERT}")  # the same again
@@ -136,7 +146,8 @@ class Projections(MapCase):
         """GeoJSON without "crs", whose numbers are those of the map, or in the other order."""
         corners = [[WEST + x, SOUTH + y] for x, y in ((10, 10), (20, 10), (20, 20), (10, 10))]
         self.write("a.geojson", json.dumps({"type": "Polygon", "coordinates": [corners]}))
-        self.refused("found (400010, 400010), but its projection is WGS 84, in degrees", slide={"polygon": "a.geojson", "depth": 1})
+        self.refused("found (400010, 400010), but its projection is WGS 84, in degrees",
+                     slide={"polygon": "a.geojson", "depth": 1})
         rows = [[SOUTH + 12, WEST + 55], [SOUTH + 20, WEST + 55]]
         self.vector("slide.shp", self.square)
         self.refused("with x and y exchanged they lie inside",
@@ -146,7 +157,8 @@ class Projections(MapCase):
         self.vector("slide.shp", self.square)
         for key in ("depth", "top"):
             self.slope("other.tif", 31254)
-            self.refused("other.tif: found the projection MGI / Austria GK West", "slope.tif, has MGI / Austria Lambert",
+            self.refused("other.tif: found the projection MGI / Austria GK West",
+                         "slope.tif, has MGI / Austria Lambert",
                          slide={key: "other.tif"})
 
     def test_prj_beside_a_grid(self) -> None:
@@ -204,14 +216,17 @@ class Lines(MapCase):
         self.vector("slide.shp", [(f"POLYGON ({square(10, 10, 10)})", {})])
 
     def line(self, *corners: tuple[float, ...]) -> str:
-        return "LINESTRING (" + ", ".join(" ".join(f"{a:.10g}" for a in (WEST + x, SOUTH + y, *z)) for x, y, *z in corners) + ")"
+        return "LINESTRING (" + ", ".join(" ".join(f"{a:.10g}" for a in (WEST + x, SOUTH + y, *z)) for x, y,
+                                          *z in corners) + ")"
 
     def test_a_barrier_of_a_file(self) -> None:
         """A corner that is there twice is one; heights of a line are not looked at."""
-        self.vector("dam.shp", [(self.line((50, 10, 9), (50, 20, 9), (50, 20, 9), (52, 30, 9)).replace("STRING", "STRING Z"), {})])
+        self.vector("dam.shp",
+                    [(self.line((50, 10, 9), (50, 20, 9), (50, 20, 9), (52, 30, 9)).replace("STRING", "STRING Z"), {})])
         barrier = {"height": 2, "thickness": 1}
         plan = self.read(barrier={"line": "dam.shp"} | barrier)
-        np.testing.assert_allclose(plan.barrier.line, [[WEST + 50, SOUTH + 10], [WEST + 50, SOUTH + 20], [WEST + 52, SOUTH + 30]])
+        np.testing.assert_allclose(plan.barrier.line,
+                                   [[WEST + 50, SOUTH + 10], [WEST + 50, SOUTH + 20], [WEST + 52, SOUTH + 30]])
         self.assertIsNotNone(make(plan).wall)
         many = self.line((50, 10), (50, 20)), self.line((52, 10), (52, 20))
         self.vector("two.gpkg", [(text, {}) for text in many])
@@ -224,7 +239,8 @@ class Lines(MapCase):
                      barrier={"line": "dot.gpkg"} | barrier)
 
     def test_gauges_and_probes_of_files(self) -> None:
-        ends = [(self.line((30, 8), (30, 30)), {"name": "upper throat", "h": 3.0}), (self.line((40, 8), (40, 30)), {"name": "low", "h": 4.0})]
+        ends = [(self.line((30, 8), (30, 30)), {"name": "upper throat", "h": 3.0}),
+                (self.line((40, 8), (40, 30)), {"name": "low", "h": 4.0})]
         self.vector("gauges.gpkg", ends)
         self.vector("probes.gpkg", [(f"POINT ({WEST + 15} {SOUTH + 15})", {"id": "middle"})], 4326)
         probes = {"points": "probes.gpkg", "name": "id"}

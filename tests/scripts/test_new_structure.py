@@ -52,7 +52,8 @@ class NewStructure(ScriptCase):
             text = model.read_text()
             self.assertIn("MASS / dt * v -", text)
             model.write_text(text.replace("MASS / dt * v -", "MASS / dt * 0.99 * v -"))
-            self.assertNotEqual(subprocess.run(command, capture_output=True, check=False, env=environment).returncode, 0)
+            self.assertNotEqual(subprocess.run(command, capture_output=True, check=False, env=environment).returncode,
+                                0)
 
     def test_nothing_is_written_over(self) -> None:
         folder = self.folder / "gate"

@@ -421,7 +421,8 @@ class Contact(ScriptCase):
 
 class Gauges(ScriptCase):
     def test_a_panel_a_quantity_and_a_colour_a_gauge(self) -> None:
-        columns = ["depth", "top", "normal_speed", "max_speed", "section_flux", "passed_mass", "pressure", "dynamic_pressure"]
+        columns = ["depth", "top", "normal_speed", "max_speed", "section_flux", "passed_mass", "pressure",
+                   "dynamic_pressure"]
         head = ["time", "soil.mass", *(f"soil.{gauge}.{name}" for gauge in ("toe", "top") for name in columns)]
         made_up.write_table(self.folder / "probes.csv", head, [[t, 1, *range(t, t + 16)] for t in range(3)])
         self.assertEqual(gauges.gauge_names(Table(self.folder / "probes.csv")), ["soil.toe", "soil.top"])

@@ -109,7 +109,8 @@ class Seen(ScriptCase):
 
     def settings(self, mpm: dict) -> Results:
         folder = made_up.write_space_results(self.folder / "a")
-        (folder / "mpm" / "resolved_config.json").write_text(json.dumps({"mpm.json": {"gravity": [0, 0, -9.81], **mpm}}))
+        (folder / "mpm" / "resolved_config.json").write_text(json.dumps({"mpm.json": {"gravity": [0, 0, -9.81],
+                                                                                      **mpm}}))
         return Results(folder)
 
     def test_rigid_walls_else_the_floor_of_the_grid(self) -> None:

@@ -111,7 +111,8 @@ class Pages(ReportCase):
                         "material": {"law": "mohr_coulomb", "friction_angle": 33}}]}}))
         self.report()
         for words in ("dt 0.001 s", "wall: soil and structure",
-                      "mohr coulomb: friction angle 33, mesh heap.msh, 4 points a cell", "4 × 5 quad4, basis gimp", "save coupler.json mpm.json from this page",
+                      "mohr coulomb: friction angle 33, mesh heap.msh, 4 points a cell", "4 × 5 quad4, basis gimp",
+                      "save coupler.json mpm.json from this page",
                       "It also needs: heap.msh; /bin/wall &lt;stiff&gt;.", "--restart", '<th>Gabion</th>'):
             self.assertIn(words, self.text)
         shown = re.search(r'data-file="mpm.json".*?<pre>(.*?)</pre>', self.text, re.DOTALL)[1]

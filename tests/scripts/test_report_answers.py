@@ -50,14 +50,16 @@ class Surfaces(ScriptCase):
             moved = Loads("a", np.zeros(1), force, moment, about).moment_about(np.array([3.25, 1.0]))
             self.assertAlmostEqual(moved[0, 0], 3.75 * -3.0 - 4.0 * 2.0)
         force, at, about = np.array([[2.0, -3.0, 5.0]]), np.array([7.0, 5.0, 1.0]), np.array([1.0, 2.0, 3.0])
-        moved = Loads("a", np.zeros(1), force, np.cross(at - about, force), about).moment_about(np.array([4.0, 4.0, 0.5]))
+        moved = Loads("a", np.zeros(1), force, np.cross(at - about, force),
+                      about).moment_about(np.array([4.0, 4.0, 0.5]))
         np.testing.assert_allclose(moved, np.cross([3.0, 1.0, 0.5], force))
 
     def test_foot_is_the_middle_of_what_is_lowest(self) -> None:
         np.testing.assert_allclose(foot_of(Frames(*WALL, [[0] * 4]).frame(0), 1, 2), [3.25, 1])
 
     def test_faces_of_a_line(self) -> None:
-        left, right = sorted(faces_of("wall", Frames(*WALL, [[0, 0, 0, 0], [1, 9, 3, 5]]), 2, 1), key=lambda face: face.side,
+        left, right = sorted(faces_of("wall", Frames(*WALL, [[0, 0, 0, 0], [1, 9, 3, 5]]), 2, 1),
+                             key=lambda face: face.side,
                              reverse=True)
         self.assertEqual((left.side, right.side), ("-x", "+x"))
         np.testing.assert_allclose(left.height, [0.5, 1.5])
@@ -85,7 +87,8 @@ class Answers(ScriptCase):
             writer.writerows(rows)
         resolved = json.loads((folder / "resolved_config.json").read_text(encoding="utf-8")) if (
             folder / "resolved_config.json").exists() else {}
-        resolved.setdefault("coupler.json", {})["interfaces"] = [{"name": "wall", "soil": "soil", "structure": "structure"}]
+        resolved.setdefault("coupler.json",
+                            {})["interfaces"] = [{"name": "wall", "soil": "soil", "structure": "structure"}]
         (folder / "resolved_config.json").write_text(json.dumps(resolved), encoding="utf-8")
         return folder
 
@@ -115,12 +118,14 @@ class Answers(ScriptCase):
         self.assertAlmostEqual(drawn["moment-wall"]["curves"][0]["y"][-1], -1.5 * FORCE)
 
     def test_stability_of_a_footing(self) -> None:
-        folder = self.write("run/probes.csv", "time,structure.reaction_foot_x,structure.reaction_foot_y,structure.moment_foot_z\n"
+        folder = self.write("run/probes.csv",
+                            "time,structure.reaction_foot_x,structure.reaction_foot_y,structure.moment_foot_z\n"
                             "0,0,100,0\n1,-60,120,30\n2,-20,80,-40\n").parent
         found = dict(stability(Results(folder)))
         self.assertIn("0.5 at 1 s, 0.25 at the end", found["sliding of structure.foot"])
         self.assertIn("0.5 m from the middle at 2 s", found["overturning of structure.foot"])
-        self.write("run/probes.csv", "time,structure.reaction_foot_x,structure.reaction_foot_y,structure.moment_foot_z\n"
+        self.write("run/probes.csv",
+                   "time,structure.reaction_foot_x,structure.reaction_foot_y,structure.moment_foot_z\n"
                    "0,0,100,0\n1,-60,-5,30\n")
         self.assertIn("first at 1 s", dict(stability(Results(folder)))["uplift of structure.foot"])
         self.assertEqual(len(resultant("a", np.arange(2), np.zeros(2), np.zeros(2))), 2)
@@ -128,7 +133,8 @@ class Answers(ScriptCase):
     def test_energies_without_those_at_zero(self) -> None:
         results = Results(write_results(self.folder / "run"))
         table = results.table("steps.csv")
-        with mock.patch("reporting.curves.history.energy_curves", return_value=[(table, "soil.kinetic_energy"), (table, "dt")]):
+        with mock.patch("reporting.curves.history.energy_curves",
+                        return_value=[(table, "soil.kinetic_energy"), (table, "dt")]):
             energy = next(each for each in charts(results) if each["name"] == "energy")
         self.assertEqual([each["name"] for each in energy["curves"]], ["soil.kinetic energy"])
         self.assertIn("dt", energy["hint"])

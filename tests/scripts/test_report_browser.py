@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The page of scripts/report in a browser: no error in its console, verdict and curves in its document, working controls.
+"""The page of scripts/report in a browser: no error in its console, verdict and curves in its document, working
+controls.
 
 Exit code 77, not run, where there is no chromium (scripts/setup: tests_of_optional).
 """
@@ -20,7 +21,8 @@ CHROMIUM = shutil.which("chromium")
 READER = """
 <script>
 const found = {fetched: performance.getEntriesByType("resource").length};
-const paths = (chart) => [...document.querySelectorAll(`#chart-${chart} path.curve`)].map((each) => each.getAttribute("d"));
+const curves = (chart) => [...document.querySelectorAll(`#chart-${chart} path.curve`)];
+const paths = (chart) => curves(chart).map((each) => each.getAttribute("d"));
 found.force = paths("force").map((d) => d.length);
 const slider = document.querySelector("#residuals input");
 const step = () => document.getElementById("residuals-step").textContent;
@@ -81,7 +83,8 @@ class Browser(ScriptCase):
         file = self.write("page.html", text)
         done = subprocess.run(
             [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--v=0",
-             "--virtual-time-budget=5000", f"--user-data-dir={self.folder / 'browser'}", "--dump-dom", f"file://{file}"],
+             "--virtual-time-budget=5000", f"--user-data-dir={self.folder / 'browser'}", "--dump-dom",
+             f"file://{file}"],
             capture_output=True, text=True, timeout=200, check=False)
         self.assertEqual(done.returncode, 0, done.stderr[-2000:])
         return done.stdout, [line for line in done.stderr.splitlines() if ":CONSOLE" in line]

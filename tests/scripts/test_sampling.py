@@ -61,7 +61,7 @@ class Samples(unittest.TestCase):
             self.assertFalse(np.any(first == other), method)
 
     def test_a_larger_sobol_sample_begins_with_the_smaller_one(self) -> None:
-        """So a study that is extended keeps its runs."""
+        """A study that is extended keeps its runs for that reason."""
         one = [parameter("a", uniform=[0, 1])]
         small, large = (sample(one, Design("sobol", "", count, 1)) for count in (8, 16))
         np.testing.assert_array_equal(large[:8], small)

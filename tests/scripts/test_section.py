@@ -21,7 +21,8 @@ from terrain_scene.raster import TerrainError
 
 PROGRAMS = Path(sys.argv.pop(1)).resolve()
 SAND = {"law": "mohr_coulomb", "density": 1800, "young_modulus": 2e7, "poisson_ratio": 0.3, "friction_angle": 33}
-WALL = {"at": 20.3, "height": 2, "thickness": 0.6, "depth": 1.1, "footing": {"width": 2.7, "thickness": 0.4, "before": 1}}
+WALL = {"at": 20.3, "height": 2, "thickness": 0.6, "depth": 1.1,
+        "footing": {"width": 2.7, "thickness": 0.4, "before": 1}}
 # Two layers of which the lower one comes to the ground; the upper one ends in tips.
 GROUND = [[0, 7], [11.3, 1.7], [16.1, 0], [31.7, 0.4]]
 UPPER = [[0, 6.2], [8, 4], [16, -1.4], [31.7, -1.1]]
@@ -29,7 +30,7 @@ BASE = [[0, 4], [16.2, -3.1], [31.7, -3.1]]
 
 
 def area(corners: list | np.ndarray) -> float:
-    """Of a polygon against the clock."""
+    """Area of a polygon that runs against the clock."""
     x, z = np.asarray(corners, dtype=float).T
     return float((x * np.roll(z, -1) - np.roll(x, -1) * z).sum() / 2)
 
@@ -73,12 +74,13 @@ class SectionCase(ScriptCase):
         return "\n".join(write_scene(self.make(**changes), self.folder / "said"))
 
     def written_area(self, name: str) -> float:
-        """Of the cells of a mesh file, by its own text."""
+        """Area of the cells of a mesh file, by its own text."""
         lines = (self.folder / "scene" / name).read_text(encoding="ascii").splitlines()
         at = lines.index("$Nodes")
         count = int(lines[at + 1].split()[1])
         nodes = np.array([line.split() for line in lines[at + 3 + count:at + 3 + 2 * count]], dtype=float)[:, :2]
-        cells = [list(map(int, line.split()[1:])) for line in lines[lines.index("$Elements") + 3:] if len(line.split()) == 5]
+        cells = [list(map(int, line.split()[1:])) for line in lines[lines.index("$Elements") + 3:]
+                 if len(line.split()) == 5]
         return sum(area(nodes[np.array(cell) - 1]) for cell in cells)
 
 
@@ -205,7 +207,8 @@ class Lines(SectionCase):
         self.refused("slide/velocity", slide={"from": 1, "to": 3, "depth": 1, "material": SAND, "velocity": [1, 2, 3]})
 
     def test_units_that_are_hardly_meant(self) -> None:
-        for key, value, word in (("density", 1.8, "t/m^3"), ("young_modulus", 20, "MPa"), ("friction_angle", 1.2, "radians"),
+        for key, value, word in (("density", 1.8, "t/m^3"), ("young_modulus", 20, "MPa"),
+                                 ("friction_angle", 1.2, "radians"),
                                  ("cohesion", 5, "kPa")):
             layers = [{"name": "a", "bottom": BASE, "material": SAND | {key: value}}]
             self.assertIn(f"layers/0/material/{key}: found {value:g}, taken as", self.said(layers=layers), key)
@@ -233,11 +236,13 @@ class Water(SectionCase):
         sand, gravel = self.bodies(ground=self.FLAT, layers=self.LEVEL, water={"table": -0.2})
         self.assertEqual(sand["initial_stress"], {"k0": "jaky", "surface": 0, "water_table": -0.2})
         # 0.2 m of 1400 and 0.8 m of 1800 kg/m^3, as 0.8 m of 2000 and the rest of 1650.
-        self.assertAlmostEqual(gravel["initial_stress"]["surface"], -0.2 + (0.2 * 1400 + 0.8 * 1800 - 0.8 * 2000) / 1650)
+        self.assertAlmostEqual(gravel["initial_stress"]["surface"],
+                               -0.2 + (0.2 * 1400 + 0.8 * 1800 - 0.8 * 2000) / 1650)
         self.assertEqual(gravel["water"], {"porosity": 0.35})
 
     def test_refused(self) -> None:
-        self.refused("water/table", "above the ground", "pool", ground=self.FLAT, layers=self.LEVEL, water={"table": 0.1})
+        self.refused("water/table", "above the ground", "pool", ground=self.FLAT, layers=self.LEVEL,
+                     water={"table": 0.1})
         self.refused("layers/0/porosity", ground=self.FLAT, water={"table": -0.2},
                      layers=[{"name": "a", "bottom": -3, "material": SAND}])
         self.refused("water/table", "level", water={"table": -2},
@@ -250,7 +255,8 @@ class Water(SectionCase):
 
 class Scenes(SectionCase):
     def program(self, name: str, *options: object) -> subprocess.CompletedProcess:
-        return subprocess.run([PROGRAMS / name, self.folder / "scene", "--output", self.folder / "results", *map(str, options)],
+        return subprocess.run([PROGRAMS / name, self.folder / "scene", "--output", self.folder / "results",
+                               *map(str, options)],
                               capture_output=True, text=True, check=False, timeout=100)
 
     def test_level_ground_with_water_runs_to_its_end_at_rest(self) -> None:
@@ -282,7 +288,8 @@ class Scenes(SectionCase):
         self.assertEqual(made.returncode, 0, made.stderr)
         for path in sorted((self.folder / "scene").iterdir()):
             if path.suffix != ".png":
-                self.assertEqual(path.read_text(encoding="utf-8"), (scene / path.name).read_text(encoding="utf-8"), path.name)
+                self.assertEqual(path.read_text(encoding="utf-8"), (scene / path.name).read_text(encoding="utf-8"),
+                                 path.name)
 
 
 if __name__ == "__main__":

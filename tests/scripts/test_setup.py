@@ -112,7 +112,7 @@ class Tree(ScriptCase):
         return done.returncode, done.stdout
 
     def configured_for(self, home: Path) -> None:
-        """As if everything was configured, for the sources in `home`."""
+        """Write a build folder as if everything was configured, for the sources in `home`."""
         self.write("tree/build/release/CMakeCache.txt", f"A:BOOL=ON\nCMAKE_HOME_DIRECTORY:INTERNAL={home}\n")
         self.write("tree/build/release/build.ninja", "")
         self.write("tree/build/release/cmake_lists.txt", "./CMakeLists.txt\n")

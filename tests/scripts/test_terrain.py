@@ -33,7 +33,7 @@ def plane(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def volume(nodes: np.ndarray, cells: np.ndarray) -> float:
-    """Of hexahedra whose vertical edges are upright: area in plan times the mean height."""
+    """Volume of hexahedra whose vertical edges are upright: area in plan times the mean height."""
     corners = nodes[cells]
     wide, high = corners[:, 2] - corners[:, 0], corners[:, 4:, 2] - corners[:, :4, 2]
     return float((wide[:, 0] * wide[:, 1] * high.mean(axis=1)).sum())
@@ -112,7 +112,8 @@ class Rasters(TerrainCase):
                             ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\n1 2 3 4", "cellsize"),
                             ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3", "found 3 values"),
                             ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 x", "line 7"),
-                            ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ndx 1\ndy 2\n1 2\n3 4", "line 5: found \"dx 1\""),
+                            ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ndx 1\ndy 2\n1 2\n3 4",
+                             "line 5: found \"dx 1\""),
                             ("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1 2\n1 2\n3 4", "line 5: found"),
                             ("ncols 2.5\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4", "a whole number"),
                             ("ncols 1\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2", "at least 2 x 2")):
@@ -179,8 +180,8 @@ class Shapes(TerrainCase):
         np.testing.assert_array_equal(mass.at(np.array([-0.1, 6.1, 3.0]), np.array([3.0, 3.0, 6.01])), 0)
 
     def test_only_what_can_have_mass_is_kept_of_a_raster(self) -> None:
-        """A raster of a whole valley: of_raster keeps the rows and columns with mass, near_outlines those of the polygon and
-        one beyond, and the depth inside is the same."""
+        """A raster of a whole valley: of_raster keeps the rows and columns with mass, near_outlines those of the
+        polygon and one beyond, and the depth inside is the same."""
         random = np.random.default_rng(5)
         values = np.pad(random.uniform(1, 3, (4, 6)), ((20, 30), (40, 10)), constant_values=np.nan)
         raster = Raster(Path("a.asc"), 1000.0, 2000.0, 2.0, values)
@@ -197,7 +198,8 @@ class Shapes(TerrainCase):
         np.testing.assert_allclose(masses[1].at(x, y), masses[0].at(x, y), rtol=1e-12)
         self.assertAlmostEqual(masses[1].asked() / masses[0].asked(), 1, delta=1e-12)
         for far in (np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), polygon + 1e4):
-            self.assertEqual(Mass(of_raster(near_outlines(whole, [Outline((far,))]), np.zeros(3)), [], [Outline((far,))]).asked(), 0)
+            self.assertEqual(Mass(of_raster(near_outlines(whole, [Outline((far,))]), np.zeros(3)), [],
+                                  [Outline((far,))]).asked(), 0)
 
     def test_masses_beyond_measure_are_refused(self) -> None:
         slope = Slope(1.0, np.zeros((9, 9)))
@@ -227,7 +229,8 @@ class Shapes(TerrainCase):
         wall = build_wall(slope, line, 3.0, 0.4)
         below = slope.at(wall.nodes[:, 0], wall.nodes[:, 1]) - wall.nodes[:, 2]
         self.assertAlmostEqual(below.max(), 1.0)
-        self.assertAlmostEqual(below.min(), -3.0, delta=0.3 * 0.25)  # on the lower side, which the crest does not follow
+        # on the lower side, which the crest does not follow
+        self.assertAlmostEqual(below.min(), -3.0, delta=0.3 * 0.25)
         self.assertAlmostEqual(wall.crest[2], 0.3 * 2.5 + 3)
         odd = build_wall(slope, line[:2], 3.0, 1.2)  # three cells across
         self.assertLess(np.linalg.norm(odd.crest[:2] - line[:2].mean(axis=0)), 0.5)
@@ -303,14 +306,16 @@ class Scenes(TerrainCase):
         for words, change in (("/gauges/0/name: found nothing", {"line": line, "height": 3}),
                               ("/gauges/0/line: found 3 rows", {"name": "a", "line": [*line, line[0]], "height": 3}),
                               ("gauge a: line: found no length", {"name": "a", "line": line[:1] * 2, "height": 3}),
-                              ("/gauges/0/line: found (500000, 5200000) outside", {"name": "a", "line": [line[0], [WEST, SOUTH]],
+                              ("/gauges/0/line: found (500000, 5200000) outside",
+                               {"name": "a", "line": [line[0], [WEST, SOUTH]],
                                                                        "height": 3}),
                               ("/gauges/0/height: found 0", {"name": "a", "line": line, "height": 0})):
             self.refused(words, gauges=[change])
         self.refused("/gauges: found 3, allowed: a list of objects", gauges=3)
 
     def test_plans_that_cannot_be(self) -> None:
-        self.refused("plan.json/slide/depht: unknown", "did you mean depth?", slide={"depth": 1, "depht": 2, "polygon": [[WEST, SOUTH]] * 3})
+        self.refused("plan.json/slide/depht: unknown", "did you mean depth?",
+                     slide={"depth": 1, "depht": 2, "polygon": [[WEST, SOUTH]] * 3})
         self.refused("plan.json/cellsize: unknown", "did you mean cell_size?", cellsize=1)
         self.refused("plan.json/time/End: unknown", "did you mean end?", time={"End": 1, "dt": 0.1})
         self.refused("exactly one of depth", slide={"polygon": [[0, 0], [1, 0], [0, 1]]})
@@ -345,7 +350,8 @@ class Scenes(TerrainCase):
             self.refused("depth.asc: found", "allowed: metres", slide={"depth": "depth.asc", "polygon": polygon})
         self.refused("the deepest column 1e+07 m", "allowed: 10000000 cells", slide={"depth": 1e7, "polygon": polygon})
         self.raster("depth.asc", np.ones((4, 4)), "xllcorner 0\nyllcorner 0\n")
-        self.refused("found no mass", "depth.asc: the raster reaches from (1, 1) to (7, 7)", slide={"depth": "depth.asc"})
+        self.refused("found no mass", "depth.asc: the raster reaches from (1, 1) to (7, 7)",
+                     slide={"depth": "depth.asc"})
         result = self.python_script("terrain", self.plan(), self.folder / "plan.json" / "scene")
         self.assertEqual(result.returncode, 2)
         self.assertIn("plan.json", result.stderr)

@@ -35,10 +35,13 @@ class Ends(VerdictCase):
             "finished": ("good", "Completed: 500 steps to t = 0.5 s in 12 s."),
             "cut": ("good", "Completed: 500 steps to t = 0.5 s in 12 s."),
             "failed": ("bad", f"Failed after 500 steps to t = 0.5 s: {REASON}."),
-            "stopped": ("note", "Stopped after 500 steps to t = 0.5 s: interrupted by signal 15 (Terminated). It can go "
+            "stopped": ("note", "Stopped after 500 steps to t = 0.5 s: interrupted by signal 15 (Terminated). It can "
+                                "go "
                         "on from step 500: scripts/run SCENE --restart "),
-            "unfinished": ("note", "Running: 500 steps to t = 0.5 s of 1 s (50 %). All that follows is of these steps."),
-            "killed": ("bad", "Killed, or running on another machine: 500 steps to t = 0.5 s, no summary.json, no new row "
+            "unfinished": ("note",
+                           "Running: 500 steps to t = 0.5 s of 1 s (50 %). All that follows is of these steps."),
+            "killed": ("bad", "Killed, or running on another machine: 500 steps to t = 0.5 s, no summary.json, no new "
+                              "row "
                        "for "),
         }
         self.assertEqual(set(expected), set(KINDS))
@@ -61,7 +64,7 @@ class Ends(VerdictCase):
             self.assertEqual(headline(run), words[kind])
 
     def test_nobody_can_be_asked(self) -> None:
-        """Without a log, as of a run without coupler: only time tells."""
+        """There is no log, as in a run without coupler: only time tells."""
         write_kind(self.folder, "killed")
         (self.folder / "coupler.log").unlink()
         kind, text = self.one("end")
@@ -85,7 +88,8 @@ class Words(VerdictCase):
 
     def test_convergence(self) -> None:
         write_kind(self.folder, "finished")
-        self.assertEqual(self.one("convergence"), ("good", "Every step converged: 350 in contact with 5 iterations each, "
+        self.assertEqual(self.one("convergence"),
+                         ("good", "Every step converged: 350 in contact with 5 iterations each, "
                                                            "5 at most; 150 without contact."))
         text = (self.folder / "steps.csv").read_text()
         (self.folder / "steps.csv").write_text(text.replace("converged", "limit_reached", 2))
@@ -98,23 +102,26 @@ class Words(VerdictCase):
         self.write("steps.csv", STEPS + "1,0.1,0.1,1,explicit,0,1,0,0.5,0.1,1\n")
         self.assertEqual(self.one("convergence")[0], "note")
         self.write("steps.csv", "step,time,dt,newton_iterations,cuts,wall_seconds\n1,0.1,0.1,3,0,1\n2,0.2,0.1,6,0,1\n")
-        self.assertEqual(self.one("convergence"), ("good", "Every step converged: 4.5 Newton iterations each, 6 at most."))
+        self.assertEqual(self.one("convergence"),
+                         ("good", "Every step converged: 4.5 Newton iterations each, 6 at most."))
         self.write("steps.csv", STEPS)
         self.assertNotIn("convergence", self.said())
 
     def test_slow_steps_and_who_was_waited_for(self) -> None:
         quick = "".join(f"{k},0.{k},0.1,2,converged,0,1,0,0.006,0.002,0.01\n" for k in range(1, 10))
         self.write("steps.csv", STEPS + quick)
-        self.assertEqual(self.one("time"), ("good", "A step took 10 ms on average, 10 ms in the middle of all. The coupler "
+        self.assertEqual(self.one("time"),
+                         ("good", "A step took 10 ms on average, 10 ms in the middle of all. The coupler "
                                                     "waited for: soil 60 %, messages 20 %. No step was slow."))
         self.write("steps.csv", STEPS + quick + "17,1.0,0.1,2,converged,0,1,0,0.01,1.8,1.91\n")
         kind, text = self.one("time")
         self.assertEqual(kind, "note")
-        self.assertIn("1 slow step, over 10 times that, took 96 % of the time; the slowest is step 17 with 1.91 s; 94 % of "
-                      "that was for messages.", text)
+        self.assertIn("1 slow step, over 10 times that, took 96 % of the time; the slowest is step 17 with 1.91 s; 94 "
+                      "% of that was for messages.", text)
 
     def test_work_of_the_coupling(self) -> None:
-        for made, kind, word in ((1e-4, "good", "made 0.01 %"), (-5e-3, "note", "took 0.5 %"), (0.2, "bad", "made 20 %")):
+        for made, kind, word in ((1e-4, "good", "made 0.01 %"), (-5e-3, "note", "took 0.5 %"),
+                                 (0.2, "bad", "made 20 %")):
             self.write("steps.csv", STEPS + f"1,0.1,0.1,2,converged,0,-1,{made},0,0,1\n")
             self.assertEqual(self.one("energy"), (kind, f"The coupling {word} of the work that it passed on."))
 
@@ -125,12 +132,14 @@ class Ledgers(VerdictCase):
 
     def test_soil(self) -> None:
         for row, energy, momentum in (
-                ("1,10,1e-4,0,2,0", ("good", "closed. Of the 10 J/m that went around the balance misses 0.001 %, and 0 % was"),
+                ("1,10,1e-4,0,2,0", ("good",
+                                     "closed. Of the 10 J/m that went around the balance misses 0.001 %, and 0 % was"),
                  ("good", "closed. It misses 0 % of its largest, 2 kg m/s/m.")),
                 ("1,10,0,-0.05,2,0.01", ("note", "closed. Of the 10 J/m"), ("note", "closed. It misses 0.5 %")),
                 ("1,10,2,0,2,1", ("bad", "not closed. Of the 10 J/m that went around the balance misses 20 %"),
                  ("bad", "not closed. It misses 50 %")),
-                ("1,10,0,3,2,0", ("bad", "not closed. Of the 10 J/m that went around the balance misses 0 %, and 30 % was"),
+                ("1,10,0,3,2,0", ("bad",
+                                  "not closed. Of the 10 J/m that went around the balance misses 0 %, and 30 % was"),
                  ("good", "closed"))):
             self.write("probes.csv", f"{self.HEAD}{row}\n")
             said = self.said()
@@ -147,7 +156,8 @@ class Ledgers(VerdictCase):
 
     def test_structure_whose_supports_worked_before_the_start(self) -> None:
         self.write("probes.csv", "time,kinetic_energy,elastic_energy,external_work\n0,0,200,200\n1,50,149,200\n")
-        self.assertEqual(self.one("energy"), ("good", "Energy of structure: it lost 0.5 % of the 200 J/m that went around, by "
+        self.assertEqual(self.one("energy"),
+                         ("good", "Energy of structure: it lost 0.5 % of the 200 J/m that went around, by "
                                                       "damping."))
 
     def test_damping_that_makes_energy(self) -> None:

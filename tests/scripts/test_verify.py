@@ -17,7 +17,8 @@ HEAD = "test,id,what,exact,computed,unit,measure,value,bound,holds,limitation,se
 PERIOD = 'V7_Bar.period,V7,"period, 2D",10,10.005,"s",relative_error,5e-4,1e-3,true,"",1.25'
 ORDER = 'V4_Vortex.order,V4,"order in h, linear",2,0.31,"",order,0.31,0.2,true,"stalls",0.5'
 TOO_LARGE = 'V7_Bar.energy,V7,"energy",1,0.5,"J",relative_error,0.5,1e-3,false,"",2'
-CURVE = 'V4,"error over h","h [m]","error",linear,true,0.1,0.01\nV4,"error over h","h [m]","error",linear,true,0.05,0.003\n'
+CURVE = ('V4,"error over h","h [m]","error",linear,true,0.1,0.01\n'
+         'V4,"error over h","h [m]","error",linear,true,0.05,0.003\n')
 
 # Behaves like a GoogleTest program: lists its suites, writes a report and what it was told to.
 PROGRAM = """#!/usr/bin/python3

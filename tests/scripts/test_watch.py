@@ -76,7 +76,8 @@ class WatchTest(ScriptCase):
                                                **process.this_process().to_fields(), **changes}))
 
     def test_ends_when_the_process_is_gone(self) -> None:
-        """Without a summary and without a coupler's log; old or new, whose number was given away or not."""
+        """There is neither a summary nor a coupler's log; the run is old or new, its process number given away or
+        not."""
         self.write("steps.csv", STEPS)
         for changes in ({"pid": pid_of_the_dead()}, {"start_time": 1}):
             self.write_owner(**changes)

@@ -79,8 +79,8 @@ struct QuadraturePoint {
 template <int dim>
 std::vector<QuadraturePoint<dim>> gauss_rule(CellType type, int degree);
 
-/// Where the points of a quad or hex lie: at the points of the Gauss rule, or at the centres of
-/// equal parts, which then fill the cell without overlap. Triangles and tetrahedra have one such
+/// Layout of the points of a quad or hex: the points of the Gauss rule, or the centres of equal
+/// parts, which then fill the cell without overlap. Triangles and tetrahedra have one such
 /// division.
 enum class PointPlacement { gauss, regular };
 

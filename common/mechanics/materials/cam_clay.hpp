@@ -29,14 +29,14 @@ class CamClay {
 
   bool update(const PointContext& context, const Matrix<dim>& H, const MaterialState<dim>& state_n,
               StressUpdate<dim>& out, Tangent<dim>* A) const;
-  /// Of soil that is normally consolidated at the reference pressure.
+  /// Update of soil that is normally consolidated at the reference pressure.
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const {
     const double P = parameters_.reference_pressure;
     return update({.internal = {P, parameters_.shear_modulus_at(P)}}, H, state_n, out, A);
   }
   bool symmetric_tangent() const { return false; }
-  /// At the reference pressure.
+  /// Elastic modulus of P waves at the reference pressure [Pa].
   double p_wave_modulus() const {
     return parameters_.reference_pressure / parameters_.swelling + 4 * shear_modulus() / 3;
   }

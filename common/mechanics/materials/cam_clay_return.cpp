@@ -33,7 +33,8 @@ struct Problem {
   }
 };
 
-/// At one elastic volumetric strain, where the flow rule of the volume gives the multiplier L.
+/// Pressure, deviator and yield function at one elastic volumetric strain, where the flow rule of
+/// the volume gives the multiplier L.
 struct Place {
   double P = 0, P_c = 0;    // [Pa]
   double L = 0;             // [1/Pa]

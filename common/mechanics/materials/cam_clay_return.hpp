@@ -27,7 +27,7 @@ struct CamClayParameters {
   double strain_at(double P) const { return swelling * std::log(reference_pressure / P); }
 };
 
-/// What a point remembers, as InternalState has it.
+/// Memory of a point, as InternalState has it.
 struct CamClayMemory {
   double preconsolidation = 0;  ///< P_c, the other end of the ellipse [Pa], >= a
   double shear_modulus = 0;     ///< mu_0 [Pa]
@@ -55,8 +55,8 @@ struct CamClayState {
 ///     f = q^2 / M^2 + P (P - P_c) <= 0 , associated ,  P = P_r exp(-eps_v / kappa) ,
 ///     P_c = P_c,n exp((eps_v - eps_v,trial) / (lambda - kappa))
 ///
-/// Of a state that would end below P = a all volume beyond opens without pressure: region apex,
-/// where q is at most that of the ellipse, and P_c stays.
+/// A state that would end below P = a is set to the apex: the rest of its volume opens without
+/// pressure, q is at most that of the ellipse, and P_c stays.
 /// @returns whether it was solved; the state is undefined if not
 bool cam_clay_step(const CamClayParameters& law, const CamClayMemory& start,
                    const StrainInvariants& trial, CamClayState& state);

@@ -6,7 +6,8 @@
 
 namespace gabion {
 
-/// Where the cone carries what Mohr-Coulomb with the same angles and cohesion carries.
+/// State of stress in which the cone has the strength of Mohr-Coulomb with the same angles and
+/// cohesion.
 enum class ConeMatch {
   plane_strain,  ///< flowing in plane strain, for every psi: the match of Davis (1968)
   compression,   ///< the edges of triaxial compression, outer cone

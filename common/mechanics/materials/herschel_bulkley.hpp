@@ -38,7 +38,7 @@ class HerschelBulkley {
 
   bool update(const PointContext& context, const Matrix<dim>& H, const MaterialState<dim>& state_n,
               StressUpdate<dim>& out, Tangent<dim>* A) const;
-  /// At once: nothing flows without time, the response is the elastic one.
+  /// The instantaneous response: nothing flows without time, so it is the elastic one.
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const {
     return update({.dt = 0}, H, state_n, out, A);

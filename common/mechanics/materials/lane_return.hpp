@@ -42,7 +42,7 @@ class LaneReturn {
     PrincipalLanes eps_e, plastic{};
     LaneMask on[num_faces]{};
 
-    /// Where a lane lies.
+    /// The face of the yield surface on which the stress of a lane lies.
     Face face(int lane) const {
       Face found = elastic;
       for (const Face other : {plane, edge_12, edge_23, apex}) {

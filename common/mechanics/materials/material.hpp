@@ -38,7 +38,7 @@ concept ConstitutiveLaw = std::copyable<Law> &&
   // lambda + 2 mu and mu at zero strain [Pa].
   { law.p_wave_modulus() } -> std::same_as<double>;
   { law.shear_modulus() } -> std::same_as<double>;
-  // The stress depends on the present deformation only, not on the way to it.
+  // The stress depends on the present deformation only, not on the path to it.
   requires std::same_as<decltype(Law::is_elastic), const bool>;
 };
 

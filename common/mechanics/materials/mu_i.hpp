@@ -48,7 +48,7 @@ class MuI {
 
   bool update(const PointContext& context, const Matrix<dim>& H, const MaterialState<dim>& state_n,
               StressUpdate<dim>& out, Tangent<dim>* A) const;
-  /// In the end, when all flow has come to rest: the static friction.
+  /// The response after infinite time, when all flow has come to rest: friction is the static one.
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const {
     return update({.dt = std::numeric_limits<double>::infinity()}, H, state_n, out, A);

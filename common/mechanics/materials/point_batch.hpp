@@ -6,7 +6,8 @@
 
 namespace gabion {
 
-/// Where what a step makes of four points goes: each member names the first of four in a row.
+/// Destinations of the results of four points in a step: each member names the first of four in a
+/// row.
 template <int dim>
 struct BatchResults {
   MaterialState<dim>* state;

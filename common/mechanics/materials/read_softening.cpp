@@ -131,7 +131,7 @@ void check_cutoff(const ConfigReader& in, const SofteningParameters& p) {
                       p.tension_cutoff, least, std::asin(steepest) / degree));
 }
 
-// Which key says how the strength changes.
+// The key that says how the strength changes.
 std::string given_curve(const ConfigReader& in) {
   std::vector<std::string> given;
   for (const char* name : {"slip", "strain", "table", "strain_table"}) {

@@ -43,7 +43,7 @@ class SofteningSoil {
 
   bool update(const PointContext& context, const Matrix<dim>& H, const MaterialState<dim>& state_n,
               StressUpdate<dim>& out, Tangent<dim>* A) const;
-  /// In the end, of the virgin soil without the grid.
+  /// The response of virgin soil after infinite time, without the regularisation by the grid.
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const {
     const double for_ever = std::numeric_limits<double>::infinity();

@@ -169,8 +169,8 @@ void spectral_tangent(const PrincipalModuli& moduli, const std::array<double, 3>
   A.noalias() = left.transpose().lazyProduct(right);
 }
 
-/// In plane strain on the basis 1, d = n_0 n_0 - n_1 n_1, q = n_0 n_1 + n_1 n_0 and the spin
-/// w = n_0 n_1 - n_1 n_0, of which only d and q depend on the axes, and q = -w d:
+/// Spectral tangent in plane strain, on the basis 1, d = n_0 n_0 - n_1 n_1, q = n_0 n_1 + n_1 n_0
+/// and the spin w = n_0 n_1 - n_1 n_0, of which only d and q depend on the axes, and q = -w d:
 ///
 ///     4 a = 1 (x) u + d (x) v + q (x) y + w (x) z ,   u, v in span(1, d),   y, z in span(q, w)
 template <>

@@ -12,7 +12,7 @@ struct Strength {
   double sin_dilation = 0;  ///< sin psi
 };
 
-/// How the dilation dies.
+/// Law by which the dilation decays.
 enum class Dilation {
   exponential,  ///< with the strength
   rowe  ///< sin psi = (sin phi - sin phi_cv) / (1 - sin phi sin phi_cv), phi_cv the residual

@@ -10,7 +10,7 @@
 
 namespace gabion {
 
-/// Which cells a facet belongs to: finds facets by their corners, in any order.
+/// The cells that each facet belongs to; facets are found by their corners, in any order.
 class FacetOwners {
  public:
   struct Owner {

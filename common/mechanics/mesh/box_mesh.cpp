@@ -17,7 +17,7 @@ namespace {
 template <int n>
 using Pieces = std::vector<std::array<int, n>>;
 
-// How a quad or hex (local nodes in Gmsh's order) is cut. Even and odd pieces meet each other's
+// Cut of a quad or hex (local nodes in Gmsh's order). Even and odd pieces meet each other's
 // diagonals, so a chess board of them is conforming; so is a lattice of the even ones of tri3 and
 // of six tetrahedra (Kuhn), whose opposite faces carry parallel diagonals.
 const Pieces<3> even_triangles = {{0, 1, 2}, {0, 2, 3}};

@@ -20,7 +20,7 @@ struct ConnectedPart {
   std::int32_t num_touching = 0;       ///< of its nodes: a node of another part is in their place
 };
 
-/// How the cells of a mesh hang together.
+/// Connection of the cells of a mesh.
 template <int dim>
 struct MeshConnection {
   std::vector<ConnectedPart<dim>> parts;    ///< in the order of their first cells

@@ -18,7 +18,7 @@ struct FileElement {
   std::uint64_t tag;
 };
 
-/// Where a mesh comes from, for messages about its elements.
+/// Origin of a mesh, for messages about its elements.
 struct MeshOrigin {
   const GmshFile& file;
   const std::string& path;

@@ -242,7 +242,7 @@ class MeshBuilder {
         path_, name(mesh_.cell_type), fmt::join(low, ", "), origin_.cells[c].tag));
   }
 
-  /// Of the map of a cell, at its nodes.
+  /// Smallest Jacobian determinant of the map of a cell, at its nodes.
   double smallest_determinant(std::int32_t c) const {
     const auto cell = mesh_.cell(c);
     const bool affine = is_simplex(mesh_.cell_type) && !is_quadratic(mesh_.cell_type);

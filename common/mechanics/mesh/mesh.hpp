@@ -112,7 +112,7 @@ Mesh<dim> box_mesh(const Vector<dim>& low, const Vector<dim>& high,
 template <int dim>
 Mesh<dim> with_middle_nodes(const Mesh<dim>& mesh, CellType type);
 
-/// Which cells a reader takes.
+/// Orders of cells that a reader takes.
 enum class CellOrders { linear, any };
 
 /// Name of a side of a box: across an axis, at its low (0) or high (1) end.
@@ -139,10 +139,10 @@ Mesh<dim> read_gmsh(const std::string& path, const LineGroupNames& lines = std::
 template <int dim>
 Mesh<dim> read_mesh(const Scene& scene, ConfigReader in, const LineGroupNames& lines = std::nullopt,
                     CellOrders orders = CellOrders::linear);
-/// As above, but a box is not yet made into a mesh.
+/// Like read_mesh(), but a box is not yet made into a mesh.
 template <int dim>
 std::variant<BoxShape<dim>, Mesh<dim>> read_box_or_mesh(const Scene& scene, ConfigReader in);
-/// As above, but the file is not yet opened.
+/// Like read_box_or_mesh(), but the file is not yet opened.
 template <int dim>
 std::variant<BoxShape<dim>, std::string> read_box_or_file(ConfigReader in,
                                                           CellOrders orders = CellOrders::linear);

@@ -11,7 +11,7 @@
 
 namespace gabion {
 
-/// Where the nodes, cells and facets of a part lie in the whole mesh. Those of the part are
+/// Numbers of the nodes, cells and facets of a part in the whole mesh. Those of the part are
 /// numbered anew, 0, 1, ..., in the order of their numbers in the whole.
 struct PartNumbers {
   std::vector<std::int32_t> nodes;  ///< in the whole, ascending

@@ -16,7 +16,7 @@ struct TriangleSurface {
   std::vector<std::array<std::int32_t, 3>> triangles;  ///< vertices of each
 };
 
-/// Where the normals of a file come from.
+/// Source of the normals of a file.
 enum class TriangleNormals {
   file,  ///< the order of the vertices; normals that an STL file writes down are passed over
   up     ///< along z: triangles that look down are turned, as terrain asks for

@@ -39,8 +39,8 @@ class Brace {
       if (share_ < smallest) share_ = 0;
     }
   }
-  /// Whether a step with the brace may be taken: the path around a kink may pass through a larger
-  /// |r|.
+  /// Whether a step with the regularisation may be taken: the path around a kink may pass through a
+  /// larger |r|.
   static bool allows(double norm_before, double norm) { return norm <= growth * norm_before; }
 
  private:

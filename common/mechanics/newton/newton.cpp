@@ -105,7 +105,7 @@ class Newton {
   bool wants_support_ = false;  // the next step: K was singular but for round-off
   bool matrix_is_old_ = false;  // the linear solver holds the matrix of an earlier iterate
   Brace brace_;
-  std::size_t unbraced_since_ = 0;  // first of the residuals since the last brace
+  std::size_t unbraced_since_ = 0;  // first of the residuals since the last regularised step
   NewtonReport report_;
 };
 

@@ -15,7 +15,7 @@
 
 namespace gabion {
 
-/// What was found of a trial state. The same on all ranks.
+/// Result of the evaluation of a trial state, the same on all ranks.
 struct Evaluation {
   /// The state is possible (such as det(1 + H) > 0 at every point) and everything is finite.
   bool admissible = true;
@@ -36,7 +36,7 @@ template <int block_size>
 class NewtonProblem {
  public:
   virtual ~NewtonProblem() = default;
-  /// Which ranks share the nodes of the vectors; by default each rank has all nodes.
+  /// Sharing of the nodes of the vectors between ranks; by default each rank has all nodes.
   virtual const SharedNodes& shared() const {
     static const SharedNodes every_rank_has_all;
     return every_rank_has_all;
@@ -75,9 +75,9 @@ template <int block_size>
 struct NewtonMatrix {
   BlockMatrix<block_size>& K;  ///< matrix with its pattern; the values are overwritten
   LinearSolver<block_size>& linear;
-  /// For `reuse_matrix`: `linear` holds the matrix (and its factor) of an earlier solve, which may
-  /// serve again. The caller sets it to false when pattern, dt, constraints or method changed;
-  /// solve_newton sets it for the next solve, to false when this one failed.
+  /// Whether `linear` holds the matrix (and its factor) of an earlier solve that may serve again
+  /// (`reuse_matrix`). The caller sets this to false when pattern, dt, constraints or method
+  /// changed; solve_newton sets it for the next solve, to false when this one failed.
   bool is_usable = false;
 };
 
@@ -86,7 +86,7 @@ struct NewtonReport {
   int matrices = 0;    ///< evaluations of K
   std::int64_t linear_iterations = 0;
   int line_search_cuts = 0;
-  int braced = 0;                 ///< linear systems solved with a brace
+  int braced = 0;                 ///< linear systems solved with regularisation
   int supported = 0;              ///< linear systems that had no solution without support
   std::vector<double> residuals;  ///< |r| / force_scale of each iterate
 };
@@ -103,10 +103,11 @@ struct NewtonReport {
 /// before it is the solution. With force_scale 0 only r = 0 converges.
 ///
 /// Where r has kinks, such as soil that comes loose, s may be refused at any size and full steps
-/// may jump to and fro for ever. Then K gets a brace there (NewtonProblem::brace, Brace), s counts
-/// as good up to twice |r|, and only a step without brace ends the search; within the limit of |r|
-/// the brace goes. It is in K alone: the solution does not depend on it. Where K alone is singular,
-/// it gets support for one step (NewtonProblem::support).
+/// may jump to and fro for ever. Then K is regularised there (NewtonProblem::brace, Brace): s
+/// counts as good up to twice |r|, and only a step without regularisation ends the search. Within
+/// the limit of |r| the regularisation is taken off. It changes K alone: the solution does not
+/// depend on it. Where K without it is singular, it gets additional stiffness for one step
+/// (NewtonProblem::support).
 ///
 /// K comes with the residual in one evaluation unless the iterate is likely the last one: quadratic
 /// convergence predicts it, or the problem does. The linear tolerance is 0.3 of what the next

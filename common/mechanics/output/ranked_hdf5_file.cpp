@@ -29,7 +29,7 @@ constexpr std::int64_t growth = 100;
 
 constexpr int new_file_mode = 0666;
 
-/// How ranks write together.
+/// Transfer properties with which ranks write together.
 Handle collective_transfer() {
   const hid_t transfer = H5Pcreate(H5P_DATASET_XFER);
   if (transfer >= 0) H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);

@@ -79,7 +79,7 @@ std::vector<std::int32_t> in_vtk_order(std::span<const std::int32_t> connectivit
   return result;
 }
 
-/// How a field is stored: each stored column is one of the field's components, or zero (-1).
+/// Layout of a stored field: each stored column is one of the field's components, or zero (-1).
 struct Layout {
   const char* attribute_type;
   std::vector<int> columns;
@@ -124,7 +124,7 @@ std::vector<T> arrange(std::span<const double> values, int components,
   return result;
 }
 
-/// How XDMF names the numbers of a dataset.
+/// Names of XDMF for the numbers of a dataset.
 struct NumberFormat {
   const char* type;
   int bytes;

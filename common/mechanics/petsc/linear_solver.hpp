@@ -41,7 +41,7 @@ class LinearSolver {
   /// present matrix itself, so that a step depends on its beginning alone.
   /// @param pause  what pause() said after the step before
   void begin_step(const KrylovPause& pause);
-  /// What the next step has to know of this one.
+  /// Pause of the Krylov methods, which the next step has to know.
   KrylovPause pause() const;
 
   /// Positions of the nodes for multigrid, num_nodes x dim, of all nodes or those that this rank

@@ -7,7 +7,7 @@
 
 namespace gabion {
 
-/// What couples the unknowns of one node to those of another, column-major.
+/// Block that couples the unknowns of one node to those of another, column-major.
 template <int block_size>
 using NodeBlock = Eigen::Matrix<double, block_size, block_size>;
 

@@ -13,14 +13,15 @@
 
 namespace gabion {
 
-/// Sends rows of values by their numbers, from the ranks that have them to those that want them.
-/// They meet at PETSc's star forests: no rank has all.
+/// Exchange of rows of values by their numbers, from the ranks that have them to those that want
+/// them, such as a checkpoint read on another number of ranks. Each row passes through the rank
+/// that an even division of the numbers names (two star forests of PETSc), so no rank has all.
 class NumberedValues {
  public:
   /// @param given   numbers of the rows that this rank has, in any order
   /// @param wanted  numbers of those that it wants, in any order
   /// @param end     behind the last number of all
-  /// @param what    the numbers are, for errors
+  /// @param what    text that says what the numbers are, for errors
   /// @throws Error  a number from 0 to end - 1 that no rank has, or several; on all ranks
   /// @note Collective.
   NumberedValues(MPI_Comm comm, std::span<const std::int64_t> given,

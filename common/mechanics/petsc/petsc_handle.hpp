@@ -23,7 +23,7 @@ class PetscHandle {
 
   T get() const { return object_; }
   explicit operator bool() const { return object_ != nullptr; }
-  /// Where PETSc's Create functions put a new object; the old one is destroyed.
+  /// Address at which PETSc's Create functions put a new object; the old one is destroyed.
   T* receive() {
     reset();
     return &object_;

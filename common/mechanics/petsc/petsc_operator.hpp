@@ -17,7 +17,8 @@ class PetscOperator {
   virtual Mat get() const = 0;
   /// This matrix with its entries, for direct methods and multigrid. @note Collective.
   virtual Mat rows() = 0;
-  /// Where get() has no entries: that of the method, for the present values; else null.
+  /// The preconditioner of the method for the present values, where get() has no entries; else
+  /// null.
   /// @note Collective.
   virtual std::unique_ptr<PartsPreconditioner> preconditioner(const LinearMethod& method) const = 0;
 };

@@ -22,7 +22,7 @@ MPI_Datatype mpi_type() {
   }
 }
 
-/// Where each rank's values start, and the number of all of them.
+/// Start of each rank's values, and the number of all of them.
 inline std::vector<int> starts_of(const std::vector<int>& counts) {
   std::vector<int> starts(counts.size() + 1, 0);
   std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
@@ -50,7 +50,7 @@ std::vector<Value> gather(MPI_Comm comm, std::span<const Value> own) {
   return gather(comm, own, counts);
 }
 
-/// As above, on all ranks.
+/// Like gather(), with the result on all ranks.
 template <class Value>
 std::vector<Value> gather_on_all(MPI_Comm comm, std::span<const Value> own) {
   const int count = static_cast<int>(own.size());

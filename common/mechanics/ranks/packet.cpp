@@ -19,8 +19,8 @@ void require_length(const Packet& packet) {
               " bytes to another rank, allowed: below 2 GiB");
 }
 
-// How many ranks have a packet for this one. No rank knows it before all have asked, so that a
-// message of one exchange is never taken for one of the next.
+// Number of ranks that have a packet for this one. No rank knows it before all have asked, so that
+// a message of one exchange is never taken for one of the next.
 int count_incoming(MPI_Comm comm, const Packets& out) {
   std::vector<int> sent(num_ranks(comm), 0);
   for (const auto& [rank, packet] : out) sent[rank] = 1;

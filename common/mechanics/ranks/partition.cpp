@@ -17,7 +17,7 @@ namespace {
 constexpr int num_rounds = 4;
 constexpr int num_bins = 64;
 
-/// Where the plane of one part of the tree is sought.
+/// Search for the plane that divides one part of the tree.
 struct Search {
   int axis = 0;
   double low = 0, high = 0;              // bounds of the plane [m]

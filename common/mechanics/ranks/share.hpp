@@ -7,7 +7,7 @@
 
 namespace gabion {
 
-/// Which of the rows that the ranks have together, one rank's after the other's, are this rank's.
+/// This rank's share of the rows that the ranks have together, one rank's after the other's.
 struct RowShare {
   std::int64_t first = 0;
   std::int64_t count = 0;

@@ -11,11 +11,11 @@
 
 namespace gabion {
 
-/// Which nodes this rank shares with which others. Each rank holds the nodes that it needs and
-/// numbers them 0, 1, …; a node that several ranks hold is owned by the lowest of them. Nodal
-/// fields have the values of all held nodes, the same bits on each holder once they were summed.
-/// Nobody knows all nodes: the holders of a node find each other through the rank to whose share of
-/// the numbers it belongs, then exchange values with each other.
+/// The nodes that this rank shares with others. Each rank holds the nodes that it needs and numbers
+/// them 0, 1, …; a node that several ranks hold is owned by the lowest of them. Nodal fields have
+/// the values of all held nodes, the same bits on each holder once they were summed. Nobody knows
+/// all nodes: the holders of a node find each other through the rank to whose share of the numbers
+/// it belongs, then exchange values with each other.
 ///
 /// All functions but the plain numbers are collective; on one rank they cost nothing.
 class SharedNodes {
@@ -47,9 +47,10 @@ class SharedNodes {
   /// Replace the values of each node, of which every holder has a part, by their sum.
   /// @param values  num_held x components
   void sum(std::span<double> values, int components) const;
-  /// As above, for two fields at once.
+  /// Like sum() of one field, for two fields in one exchange.
   void sum(std::span<double> a, std::span<double> b, int components) const;
-  /// As above, at the owner of each node only; values at nodes of other ranks are left as they are.
+  /// Like sum(), at the owner of each node only; values at nodes of other ranks are left as they
+  /// are.
   void add_to_owners(std::span<double> values, int components) const;
   /// Replace the values of each node by its owner's.
   void take_from_owners(std::span<double> values, int components) const;

@@ -7,7 +7,7 @@
 #include <immintrin.h>
 #endif
 
-// Where there are no registers of this size, vectors are passed in memory: no call crosses to code
+// Vectors are passed in memory where there are no registers of this size: no call crosses to code
 // that was compiled otherwise.
 #pragma GCC diagnostic ignored "-Wpsabi"
 

@@ -13,9 +13,9 @@ namespace gabion {
 ///
 ///     N = (1 - s) M + s A (beta dt^2 / (1 - alpha_m)) ,   A the matrix of the step.
 ///
-/// What moves slowly, all motions as rigid bodies among it, sees no difference of second order,
-/// and a linear structure takes no more energy than F . du if s is at most that of this function:
-/// 1 / H, H the transfer function from F to du, has no negative real part on the unit circle
+/// Slow motion, that of rigid bodies included, sees no difference of second order, and a linear
+/// structure takes no more energy than F . du if s is at most that of this function: 1 / H, H the
+/// transfer function from F to du, has no negative real part on the unit circle
 /// (docs/theory/structure.md, (T13)). 0 with the trapezoidal rule, 1 with rho_inf = 0.
 inline double step_force_filter(const NewmarkBossak& scheme) {
   const double delta = -scheme.alpha_m;

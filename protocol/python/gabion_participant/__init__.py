@@ -18,6 +18,7 @@ from .solver import (END_OF_STEP, STEP_MEAN, AcceptReport, InterfaceMesh, Interf
                      StepReport, StepRequest)
 
 __all__ = ["END_OF_STEP", "PROTOCOL_VERSION", "STEP_MEAN", "AcceptReport", "Connection",
-           "ConvergenceError", "InterfaceMesh", "InterfaceValues", "Participant", "ParticipantError", "ParticipantSettings", "ProtocolError",
+           "ConvergenceError", "InterfaceMesh", "InterfaceValues", "Participant", "ParticipantError",
+           "ParticipantSettings", "ProtocolError",
            "Solver", "StepReport", "StepRequest", "UsageError", "interrupt", "introduce", "serve",
            "serve_over", "serve_ranks"]

@@ -19,7 +19,7 @@ class Interrupted(ParticipantError):
 
 
 def install() -> None:
-    """For programs, in their main thread: the first signal is noted and ends the next wait for the coupler; a
+    """Catch signals in the main thread of a program: the first one is noted and ends the next wait for the coupler; a
     second one ends the process at once. Where checkpoints are kept the participant serves on for patience()
     seconds, so that the coupler can finish the step and ask for its state."""
 

@@ -48,7 +48,7 @@ def get_version_information() -> bytes:
 
 
 def endpoint() -> str:
-    """Where the coupler listens. Raises UsageError when nobody has said so."""
+    """Endpoint at which the coupler listens. Raises UsageError when nobody has said so."""
     if "--coupler" in sys.argv[:-1]:
         return sys.argv[sys.argv.index("--coupler") + 1]
     if os.environ.get(ENDPOINT):

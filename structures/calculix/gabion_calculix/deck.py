@@ -14,7 +14,7 @@ MAX_INCLUDES = 20  # deep
 
 
 class DeckError(ValueError):
-    """Of the user's deck or settings; the text says where, what was found, what is allowed."""
+    """An error in the user's deck or settings; the text says where, what was found, what is allowed."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Deck:
     sections: list[tuple[str, float]] = field(default_factory=list)  # element set, thickness [m] of *SOLID SECTION
 
     def nodes_of(self, line: Line, name: str) -> list[int]:
-        """Of a node's number or the name of a set."""
+        """Nodes named by a node's number or the name of a set."""
         return members(line, name, self.nodes, self.node_sets, "node")
 
     def elements_of(self, line: Line, name: str) -> list[int]:

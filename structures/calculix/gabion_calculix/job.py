@@ -23,7 +23,7 @@ Load = tuple[int, int, float]  # node, direction 1 to 3, [N]
 
 
 def number_text(value: float) -> str:
-    """Of at most 20 characters: ccx ignores the rest of a longer one, its exponent too."""
+    """Number in at most 20 characters: ccx ignores the rest of a longer one, its exponent too."""
     return f"{value:.13e}" if abs(value) > SMALLEST else "0."
 
 
@@ -134,7 +134,7 @@ def own_steps(deck: Deck, loads: list[Load]) -> str:
 
 
 def model_text(deck: Deck) -> str:
-    """Of a deck without steps."""
+    """Text of a deck without steps."""
     written = {k for card in deck.cards_of("*RESTART") for k in range(card.first, card.last)}
     return "".join(line.text + "\n" for k, line in enumerate(deck.lines) if k not in written) + keeps_history(deck)
 

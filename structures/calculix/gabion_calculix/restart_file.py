@@ -77,7 +77,7 @@ def limit_reserve(path: Path, reserve: int | None) -> int:
 
 
 def records_before_displacement(header: dict[str, int]) -> int:
-    """Between the header and the displacements."""
+    """Number of records between the header and the displacements."""
     amplitudes = header["nam"] > 0
     count = 2 * (header["mortar"] == 1) + 2  # rest of the header
     count += 3 + header["nalset"] + 1 + 4  # sets, title, mesh

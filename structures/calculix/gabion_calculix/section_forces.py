@@ -13,7 +13,8 @@ FIRST = 13  # characters of a row before its numbers: " -1" and the node
 
 
 def beam_nodes(deck: Deck) -> list[int]:
-    return sorted({node for element in deck.elements.values() if element.type.startswith("B") for node in element.nodes})
+    return sorted({node for element in deck.elements.values() if element.type.startswith("B")
+                   for node in element.nodes})
 
 
 def read_section_forces(path: Path, nodes: list[int]) -> dict[int, list[float]]:

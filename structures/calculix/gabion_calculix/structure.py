@@ -63,7 +63,7 @@ class Structure(Solver):
         self.accepted = self.trial = self.begin()
 
     def begin(self) -> NodalState:
-        """Of the deck's own steps, such as its weight; at rest where it has none."""
+        """State after the deck's own steps, such as its weight; at rest where it has none."""
         self.state_file.unlink(missing_ok=True)
         if has_steps(self.deck):
             try:
@@ -97,7 +97,8 @@ class Structure(Solver):
                   for node in element.nodes}
         if not beams or beams & others:
             found = f"node {min(beams & others)} of beams and of others" if beams else "no beams"
-            raise DeckError(f'{self.settings.deck}: found {found} for "section_forces": true, allowed: beams with nodes '
+            raise DeckError(f'{self.settings.deck}: found {found} for "section_forces": true, allowed: beams with '
+                            'nodes '
                             "of their own")
 
     def zero_forces(self) -> InterfaceValues:
@@ -128,7 +129,7 @@ class Structure(Solver):
         return values, StepReport(newton_iterations=iterations)
 
     def run_in_increments(self, begin: str, dt: float, loads: list[Load]) -> int:
-        """In one increment, or in 4, 16, ... where there is no solution; the iterations."""
+        """Run in one increment, or in 4, 16, ... where there is no solution. @returns iterations"""
         increments = 1
         while True:
             self.trial_job = coupled_step(self.settings, begin, (dt, increments), loads)
@@ -206,7 +207,7 @@ class Structure(Solver):
         self.forces = {name: np.array(value) for name, value in saved["forces"].items()}
 
     def fingerprint(self) -> str:
-        """Of all that the state depends on."""
+        """Hash of all that the state depends on."""
         physics = [self.settings.procedure, self.settings.nlgeom, self.settings.alpha,
                    *((part.name, part.surface, part.element_set) for part in self.settings.interfaces)]
         text = "\n".join([*(line.text for line in self.deck.lines), json.dumps(physics)])

@@ -54,7 +54,7 @@ def is_plane(base: str) -> bool:
 
 
 def edges(base: str) -> list[tuple[int, ...]]:
-    """Of a plane element, in the order S1, S2, ...: two corners, and the middle if there is one."""
+    """Edges of a plane element, in the order S1, S2, ...: two corners, and the middle if there is one."""
     count = NUM_NODES[base]
     corners = 3 if count in (3, 6) else 4
     found = [(k, (k + 1) % corners) for k in range(corners)]
@@ -62,7 +62,7 @@ def edges(base: str) -> list[tuple[int, ...]]:
 
 
 def faces(base: str) -> list[tuple[int, ...]]:
-    """Of a solid, in the order S1, S2, ...: corners, and the middles after them."""
+    """Faces of a solid, in the order S1, S2, ...: corners, and the middles after them."""
     corners, middle = SOLIDS[base]
     return [face + tuple(middle[tuple(sorted((a, b)))] for a, b in zip(face, face[1:] + face[:1]) if middle)
             for face in corners]

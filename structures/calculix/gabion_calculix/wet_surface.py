@@ -33,7 +33,7 @@ class Face:
 
 
 def make_wet_surface(deck: Deck, name: str, surface: str, element_set: str) -> WetSurface:
-    """Of the *SURFACE or the element set with this name, the other one empty. Raises DeckError."""
+    """Wet surface from the *SURFACE or the element set with this name; the other name is empty. Raises DeckError."""
     if element_set:
         return of_faces(deck, name, list(faces_of_set(deck, element_set)), element_set)
     if surface not in deck.surfaces:
@@ -54,7 +54,7 @@ def faces_of_surface(deck: Deck, surface: Surface) -> Iterator[Face]:
 
 
 def face_of(line: Line, element: Element, label: str) -> Face:
-    """Of a label such as S3, SPOS."""
+    """Face of an element with a label such as S3, SPOS."""
     kind = element.type
     if is_shell(kind):
         if label not in ("SPOS", "SNEG", "S1", "S2"):

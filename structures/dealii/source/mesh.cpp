@@ -13,7 +13,7 @@ namespace dealii_structure {
 
 namespace {
 
-/// In the order of the numbers that GridGenerator gives to the sides of a box.
+/// Names of the sides of a box, in the order of the numbers that GridGenerator gives them.
 template <int dim>
 std::vector<std::string> sides() {
   if constexpr (dim == 2) return {"left", "right", "bottom", "top"};

@@ -10,7 +10,7 @@
 
 namespace dealii_structure {
 
-/// Where a tangent was factorised.
+/// State at which a tangent was factorised.
 struct TangentPoint {
   Vector u;       ///< [m]
   double dt = 0;  ///< [s]; 0: without inertia
@@ -45,7 +45,7 @@ class NewmarkStep {
  public:
   NewmarkStep(const Settings& settings, const ElasticSolid<dim>& solid);
 
-  /// At rest under gravity, or in the reference configuration.
+  /// The state at rest under gravity, or in the reference configuration.
   /// @throws gabion::ConvergenceError
   SolidState initial_state();
   /// The state after dt [s]. @returns iterations  @throws gabion::ConvergenceError

@@ -12,13 +12,13 @@ from petsc4py import PETSc
 from .history import History
 from .model import Model, ModelError
 
-# Where several processes want the same form, one compiles; 10 s, the default, is short on a machine that is busy.
+# One of several processes that want the same form compiles it; 10 s, the default, is short on a busy machine.
 jit.DOLFINX_DEFAULT_JIT_PARAMETERS["timeout"] = (120, "[s] that others wait")
 EACH_ALONE = 5000  # up to so many unknowns each rank factorises the whole matrix
 
 
 class Balance:
-    """Of internal forces, weight and inertia in the function space of the model."""
+    """Balance of internal forces, weight and inertia in the function space of the model."""
 
     def __init__(self, model: Model, domain) -> None:
         dim = domain.geometry.dim
@@ -64,12 +64,12 @@ class Balance:
         return self.product.array.copy()
 
     def norms(self, *arrays: np.ndarray) -> list[float]:
-        """Over all ranks."""
+        """Norms over all ranks."""
         squares = np.array([array @ array for array in arrays])
         return np.sqrt(self.comm.allreduce(squares)).tolist()
 
     def dot(self, a: np.ndarray, b: np.ndarray) -> float:
-        """Over all ranks."""
+        """Scalar product over all ranks."""
         return float(self.comm.allreduce(a @ b))
 
     def rounding(self, at_rest: "Factor") -> float:
@@ -82,7 +82,7 @@ class Balance:
         return np.finfo(float).eps * largest * self.norms(at_rest.matrix.getDiagonal().array)[0]
 
     def mass_factor(self) -> "Factor":
-        """Of the mass on free unknowns; the others stay zero."""
+        """Factor of the mass on free unknowns; the others stay zero."""
         factor = Factor(self)
         factor.assemble_mass()
         return factor

@@ -34,13 +34,13 @@ class History:
         return int(np.prod(self.old[name].ufl_shape, dtype=int))
 
     def renew(self) -> None:
-        """From the displacement and the fields that the expressions refer to."""
+        """Compute the new values from the displacement and the fields that the expressions refer to."""
         values = {name: expression.eval(self.cells) for name, expression in self.new.items()}
         for name, value in values.items():
             self.old[name].x.array[:] = value.ravel()
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Of this rank: cells x points x components."""
+        """Values of this rank: cells x points x components."""
         return {name: field.x.array for name, field in self.old.items()}
 
     def cell_means(self, name: str) -> np.ndarray:

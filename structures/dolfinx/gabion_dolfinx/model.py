@@ -35,7 +35,7 @@ class Model(ABC):
 
     @abstractmethod
     def mesh(self, comm: Any) -> Mesh:
-        """On the communicator of mpi4py."""
+        """The mesh on a communicator of mpi4py."""
 
     @abstractmethod
     def interfaces(self) -> dict[str, Marker]:
@@ -43,7 +43,7 @@ class Model(ABC):
 
     @abstractmethod
     def supports(self) -> list[tuple[Marker, Sequence[int]]]:
-        """Where which components of the displacement are zero: [(marker, (0, 1))]."""
+        """Places and the components of the displacement that are zero there: [(marker, (0, 1))]."""
 
     @abstractmethod
     def internal_work(self, u: ufl.core.expr.Expr, w: ufl.core.expr.Expr, old: Fields, dx: ufl.Measure) -> ufl.Form:

@@ -34,14 +34,14 @@ class Bossak:
         return (1 - self.alpha) * a + self.alpha * old
 
     def slope(self, dt: float) -> float:
-        """Of the mean acceleration, by du."""
+        """Derivative of the mean acceleration by du."""
         return (1 - self.alpha) / (self.beta * dt**2)
 
     def load(self, end: np.ndarray, F: np.ndarray, old: np.ndarray) -> np.ndarray:
-        """In the balance: forces at the end of the step, and mean forces of this step and of the one before."""
+        """Load in the balance: forces at the end of the step, and mean forces of this step and of the one before."""
         return end + self.c * F - (self.c - 1) * old
 
     def corrected(self, trial: Motion, y: np.ndarray, dt: float) -> Motion:
-        """At the end of an accepted step; M y = F - F_o."""
+        """Motion at the end of an accepted step; M y = F - F_o."""
         return Motion(trial.u, trial.v + dt * (1 - self.gamma / (2 * self.beta)) * y,
                       trial.a - (0.5 / self.beta - 1) * y, trial.F)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a file with a Model to a participant on the ranks that mpirun has started."""
+"""Make a participant from a file with a Model, on the ranks that mpirun has started."""
 
 import argparse
 import importlib.util

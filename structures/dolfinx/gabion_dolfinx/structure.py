@@ -51,7 +51,7 @@ class Structure(Solver):
         self.trial_dt = 0.0
 
     def node_at(self, name: str, place) -> int:
-        """Of this rank; -1 where another one owns it."""
+        """Node of this rank at a place; -1 where another rank owns it."""
         V = self.balance.V
         nodes = V.tabulate_dof_coordinates()[:V.dofmap.index_map.size_local, :self.dimension]
         away = np.linalg.norm(nodes - np.asarray(place, dtype=float), axis=1)
@@ -63,7 +63,7 @@ class Structure(Solver):
         return int(away.argmin()) if self.comm.rank == int(np.argmin(nearest)) else -1
 
     def begin(self) -> Motion:
-        """In balance with the weight, or at u = 0 with M a = weight - f_int."""
+        """Motion in balance with the weight, or at u = 0 with M a = weight - f_int."""
         zero = np.zeros(self.balance.size)
         rest = Motion(zero, zero, zero, zero)
         if self.model.initial_equilibrium:
@@ -85,7 +85,7 @@ class Structure(Solver):
         self.mean_forces = {name for name, kind in kinds.items() if kind == STEP_MEAN}
 
     def nodal_forces(self, received: InterfaceValues) -> tuple[np.ndarray, np.ndarray]:
-        """At the end of the step, and mean ones."""
+        """Nodal forces at the end of the step, and mean ones."""
         end, mean = np.zeros((2, self.balance.size // self.dimension, self.dimension))
         for surface in self.surfaces:
             if surface.name in received:
@@ -163,7 +163,7 @@ class Structure(Solver):
 
     def residual(self, old: Motion, u: np.ndarray, load: np.ndarray,
                  dt: float) -> tuple[Residual, float]:
-        """Of free unknowns with its norm, and the largest norm of what is balanced."""
+        """Residual of free unknowns with its norm, and the largest norm of the forces that are balanced."""
         internal = self.balance.internal_forces(u)
         inertia = np.zeros_like(u)
         if dt:
@@ -204,7 +204,7 @@ class Structure(Solver):
         return motion | {f"field.{name}": array for name, array in self.balance.history.arrays().items()}
 
     def save_state(self) -> bytes:
-        """Of all ranks, on rank 0: each takes its own part back."""
+        """State of all ranks, on rank 0; each rank takes its own part back."""
         parts, fingerprint = self.comm.gather(self.state_arrays()), self.fingerprint()
         if self.comm.rank:
             return b""
@@ -226,7 +226,7 @@ class Structure(Solver):
             array[:] = mine[f"field.{name}"]
 
     def fingerprint(self) -> str:
-        """Of all that the state depends on: the model's text, and which nodes are where."""
+        """Hash of all that the state depends on: the model's text, and which nodes are where."""
         places = self.balance.V.tabulate_dof_coordinates()
         parts = self.comm.allgather(hashlib.sha256(places.tobytes()).hexdigest())
         return hashlib.sha256("\n".join([self.source, *parts]).encode()).hexdigest()

@@ -115,7 +115,7 @@ def outward(corners: np.ndarray, inside: np.ndarray, piece: tuple[int, ...]) -> 
 
 
 def order_of(places: np.ndarray) -> np.ndarray:
-    """By x, then y, then z, where rounding does not count."""
+    """Order of places by x, then y, then z, where rounding does not count."""
     size = np.ptp(places, axis=0).max()
     keys = []
     for values in places.T:

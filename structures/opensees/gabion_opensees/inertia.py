@@ -32,7 +32,7 @@ class Inertia:
         self.of_nodes = [[row.get(unknown, -1) for unknown in unknowns[tag]] for tag in self.nodes]
 
     def jumps(self, difference: np.ndarray) -> list[tuple[int, list[float]]]:
-        """By node, of the difference of the loads of two steps, num_loaded x width."""
+        """Jumps of the velocity by node, from the difference of the loads of two steps, num_loaded x width."""
         total = np.zeros(len(self.inverse))
         np.add.at(total, self.rows[self.massive], difference[self.massive])
         if not total.any():

@@ -114,7 +114,7 @@ class Model:
             return
 
     def lost(self) -> OpenSeesError:
-        """With its last words, if there are some."""
+        """Error of a model that has ended, with its last words if there are some."""
         try:
             while "error" not in (answer := self.socket.recv()):
                 pass

@@ -59,7 +59,8 @@ class Model:
 
     def mass(self) -> dict:
         """The mass matrix over the unknowns, by rows, and the unknowns of each node (-1: supported). In a child: leaves
-        another analysis behind, and no messages, as OpenSees warns of a singular matrix where an unknown has no mass."""
+        another analysis behind, and no messages, as OpenSees warns of a singular matrix where an unknown has no
+        mass."""
         ops = self.ops
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
         ops.wipeAnalysis()
@@ -106,7 +107,7 @@ class Model:
         return self.motion() | {"iterations": self.ops.testIter()}
 
     def answer(self, order: dict) -> dict:
-        """To all orders that need no child."""
+        """Answer to an order that needs no child."""
         kind = order["order"]
         if kind == "describe":
             return self.describe()

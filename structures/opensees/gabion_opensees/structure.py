@@ -196,7 +196,7 @@ class Structure(Solver):
         return Motion(motion.u, motion.angles, None if rotation is None else np.array(rotation))
 
     def fingerprint(self) -> str:
-        """Of all that the state depends on."""
+        """Hash of all that the state depends on."""
         physics = [self.settings.analysis(), self.settings.arm_tolerance, self.settings.interfaces,
                    self.description.version, self.settings.model.read_text(encoding="utf-8")]
         return hashlib.sha256(json.dumps(physics).encode()).hexdigest()

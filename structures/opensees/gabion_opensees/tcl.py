@@ -114,7 +114,7 @@ def answer(stream: BinaryIO, ops, words: list[str]) -> None:
 
 
 def value_of(text: str) -> int | float | str | list:
-    """As Tcl would take it: a whole number, a number, a list of those, or a text."""
+    """Value of a text as Tcl would take it: a whole number, a number, a list of those, or a text."""
     for kind in (int, float):
         try:
             return kind(text)

@@ -12,7 +12,7 @@ from .errors import SettingsError
 
 @dataclass(frozen=True)
 class Motion:
-    """Of the nodes of one surface."""
+    """Motion of the nodes of one surface."""
 
     u: np.ndarray  # [m] num_nodes x dim
     angles: np.ndarray | None  # the unknowns of OpenSees: num_nodes, in 3D x 3, sums of spins; None: no rotations
@@ -32,7 +32,7 @@ class WetSurface:
         self.at_rest = Motion(np.zeros(surface.nodes.shape), *own)
 
     def motion(self, before: Motion, unknowns: np.ndarray) -> Motion:
-        """That with these unknowns (num_nodes x all of a node), a step after `before`."""
+        """Motion with these unknowns (num_nodes x all of a node), a step after `before`."""
         u = unknowns[:, :self.dimension]
         if not self.has_rotations:
             return Motion(u, None, None)
@@ -88,7 +88,7 @@ class Description:
         return np.array([self.nodes[tag][0] for tag in tags], dtype=float)
 
     def unknowns(self, place: str, tags: list[int]) -> int:
-        """Of each of these nodes."""
+        """Number of unknowns of each of these nodes."""
         counts = {self.nodes[tag][1] for tag in tags}
         dim = self.dimension
         allowed = (dim, 3 * (dim - 1))
@@ -99,7 +99,7 @@ class Description:
 
 
 def make_wet_surface(described: Description, entry: dict) -> WetSurface:
-    """Of an entry of "interfaces". Raises SettingsError."""
+    """Wet surface from an entry of "interfaces". Raises SettingsError."""
     shape = next(key for key in entry if key != "name")
     place = f'structure.json: at /interfaces: "{entry["name"]}": /{shape}'
     wanted = dict(entry[shape])

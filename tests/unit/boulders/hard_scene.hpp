@@ -70,7 +70,7 @@ struct Scene {
   void run(double time) {
     for (double t = 0; t < time - 1e-9; t += step.dt) advance();
   }
-  // Of motion, weight and springs.
+  // Energy of motion, weight and springs [J].
   double energy() const {
     double sum = contact.stored_energy(now.memories);
     for (std::size_t c = 0; c < now.states.size(); ++c) {

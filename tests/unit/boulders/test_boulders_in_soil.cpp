@@ -85,7 +85,7 @@ TEST(BouldersInSoil, momentum_is_that_of_gravity_alone) {
   }
 }
 
-/// Of soil, stone and what contact stores.
+/// Energy of soil and stone, with what contact stores [J].
 double energy(const Solver& solver, double mass) {
   return probe(solver, "kinetic_energy") + probe(solver, "elastic_energy") +
          probe(solver, "contact_energy") - probe(solver, "gravity_work") +

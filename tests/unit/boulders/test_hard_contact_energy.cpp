@@ -83,7 +83,7 @@ void run_some(int number, Seen& seen) {
   double mass = 0;
   for (const HardBody& body : bodies) mass += body.mass.mass;
   double energy = scene.energy();
-  // Of what the bodies fall through and of their motion.
+  // The scale is the energy of the bodies' fall and of their motion.
   const double scale = std::abs(energy) + mass * g * 10;
   for (double t = 0; t < (dim == 2 ? 0.2 : 0.1); t += scene.step.dt) {
     scene.advance();

@@ -98,7 +98,7 @@ TEST_F(CheckpointFolder, damage_and_other_runs_are_refused) {
                             {"manifest.json: not valid JSON"});
 }
 
-/// Of every type where another one is expected.
+/// A manifest has values of every type where another one is expected.
 TEST_F(CheckpointFolder, manifests_are_checked_key_by_key) {
   write_checkpoint(results_, "coupler", made(3));
   const std::string path = find_checkpoint(results_);

@@ -108,7 +108,7 @@ class MassSprings : public Solver {
 class SoilSprings : public MassSprings {
  public:
   using MassSprings::MassSprings;
-  /// Of all x components at a time; contact is possible while it is not zero, or when `near`.
+  /// Load on all x components at a time; contact is possible while it is not zero, or when `near`.
   std::function<double(double)> load = [](double) { return 0; };
   bool near = false;
   bool pretend_inactive = false;

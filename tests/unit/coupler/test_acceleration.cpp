@@ -59,9 +59,8 @@ TEST(Acceleration, iqn_ils_needs_the_published_iterations) {
                 [](double m, std::size_t s) { return m >= 10 && s == 3 ? 3 : 1; });
 }
 
-/// Of the published update, which forgets what earlier steps found: 10 iterations where IQN-ILS
-/// takes
-/// 4. With all columns kept there must be no more anywhere.
+/// Iterations of the published update, which forgets what earlier steps found: 10 where IQN-ILS
+/// takes 4. With all columns kept there must be no more anywhere.
 TEST(Acceleration, mvqn_needs_no_more_iterations_than_the_dense_multi_vector_method) {
   const Table published = {{0.5, {8, 6, 5, 5, 4}},
                            {2, {11, 8, 5, 7, 5}},
@@ -114,7 +113,7 @@ TEST(Acceleration, all_methods_reach_the_exact_fixed_point) {
     const auto acceleration = make_acceleration(settings(method, 1e-6, 10), {50});
     acceleration->begin_step();
     Eigen::VectorXd x = Eigen::VectorXd::Zero(map.size());
-    // Of "constant" a mode with the eigenvalue -10/k keeps 0.9 - 1/k an iteration: 0.88^219 =
+    // With "constant" a mode of the eigenvalue -10/k keeps 0.9 - 1/k an iteration: 0.88^219 =
     // 1e-12.
     const int limit = method == "constant" ? 260 : 80;
     for (int k = 0; k < limit; ++k) {
@@ -434,7 +433,7 @@ TEST(ScaledFields, units_do_not_matter) {
     }
     for (int step = 0; step < 3; ++step) {
       EXPECT_NEAR(counts[0][step], counts[1][step], 1) << method << " step " << step;
-      // Of "constant" a mode keeps 0.9 - 0.2/k an iteration: 0.896^183 = 2e-9 of the first
+      // With "constant" a mode keeps 0.9 - 0.2/k an iteration: 0.896^183 = 2e-9 of the first
       // residual.
       EXPECT_LT(counts[1][step], method == "constant" ? 184 : 40) << method;
     }

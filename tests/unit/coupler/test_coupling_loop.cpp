@@ -57,7 +57,7 @@ struct CoupledRun {
     CouplingLoop loop(settings, {{"structure", structure}, {"soil", soil}}, files);
     loop.run();
   }
-  /// As go(), with the solvers behind sockets, each in a thread of its own.
+  /// Like go(), with the solvers behind sockets, each in a thread of its own.
   void go_behind_the_wire() {
     RunRecord files(folder.string(), "coupler");
     test::couple_through_sockets(settings, soil, structure, files);

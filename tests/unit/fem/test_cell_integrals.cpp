@@ -199,7 +199,7 @@ TEST(CellIntegrals, inverted_state_is_reported) {
   EXPECT_EQ(result.inadmissible_cell, 0);
 }
 
-/// Of R in F = R U, whatever U is.
+/// The angle is that of R in F = R U, whatever U is.
 TEST(CellIntegrals, largest_rotation_of_a_cell) {
   for (const double degrees : {0.0, 12.0, 75.0, 170.0}) {
     const double angle = degrees * M_PI / 180;

@@ -33,8 +33,8 @@ struct Beam {
     for (const auto& node : settings.mesh.nodes) x.insert(x.end(), node.begin(), node.end());
     assemble(0);
   }
-  /// With all nodes sheared sideways by that much a metre of height; with dt [s] the inertia of
-  /// such a step too.
+  /// Assemble with all nodes sheared sideways by that much a metre of height; with dt [s] the
+  /// inertia of such a step too.
   void assemble(double shear, double dt = 0) {
     std::vector<double> at(x.size(), 0.0);
     for (std::size_t i = 0; i < at.size(); i += 3) at[i] = shear * x[i + 2];

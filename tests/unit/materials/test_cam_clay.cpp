@@ -37,7 +37,7 @@ struct Element {
   explicit Element(double ocr, const CamClayParameters& parameters = clay(1e-6))
       : law(parameters), internal(ocr * p_0, 5e6) {}
 
-  /// Of a step with these Hencky strains; kept if `accept`.
+  /// A step with these Hencky strains; it is kept if `accept`.
   void strain(const Eigen::Vector3d& eps, bool accept = true) {
     Matrix<3> H = Matrix<3>::Zero();
     for (int i = 0; i < 3; ++i) H(i, i) = std::expm1(eps[i]);
@@ -48,7 +48,7 @@ struct Element {
     J *= out.J;
   }
   double P() const { return -out.tau.head<3>().mean(); }
-  /// Of triaxial compression along the last axis.
+  /// Deviator stress of triaxial compression along the last axis.
   double q() const { return out.tau[0] - out.tau[2]; }
   /// A step of axial strain with the Cauchy stress sigma_0 in the other directions.
   void compress_drained(double step, double sigma_0) {
@@ -136,7 +136,7 @@ TEST(CamClay, drained_compression_has_its_curve) {
   }
 }
 
-/// No energy is gained or lost on a closed way of elastic strains, in shear and in pressure.
+/// No energy is gained or lost on a closed path of elastic strains, in shear and in pressure.
 TEST(CamClay, elasticity_conserves_energy) {
   Element soil(50);
   const auto work_along = [&](const Eigen::Vector3d& eps, int steps) {

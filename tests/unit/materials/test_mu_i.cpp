@@ -151,7 +151,7 @@ TEST(MuI, is_a_cone_of_constant_friction_where_both_are_equal) {
   }
 }
 
-/// Without a step the static friction holds, at once the limit.
+/// The static friction holds in an infinite step, the limit of friction in one of no time.
 TEST(MuI, bounds_of_friction_by_the_size_of_the_step) {
   const MuI<2> law(glass());
   MaterialState<2> state;

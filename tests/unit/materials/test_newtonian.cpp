@@ -117,7 +117,7 @@ TEST(Newtonian, rotations_turn_the_stress_and_make_none) {
   expect_objective<3>();
 }
 
-/// Of shear nothing is remembered; volume comes back to the same pressure.
+/// Shear is not remembered; volume comes back to the same pressure.
 TEST(Newtonian, remembers_the_volume_alone) {
   Random random(11);
   const Newtonian<3> fluid(oil());
@@ -137,7 +137,7 @@ TEST(Newtonian, remembers_the_volume_alone) {
   EXPECT_EQ(rests.region, YieldRegion::elastic);
 }
 
-/// What opened has to close before pressure builds, whatever the way.
+/// What opened has to close before pressure builds, whatever the path.
 TEST(Newtonian, cavity_opens_and_closes_without_a_change_of_volume) {
   for (const double tension : {0., 1e4}) {
     NewtonianParameters parameters = oil();

@@ -274,7 +274,7 @@ TEST(Softening, lags_behind_by_its_relaxation_time) {
   }
 }
 
-/// Of four points those that yield are left, the others are as they are one by one.
+/// A batch of four points leaves those that yield; the others are as they are one by one.
 template <int dim>
 void compare_batch() {
   Random random(17);

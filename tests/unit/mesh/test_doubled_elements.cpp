@@ -32,7 +32,8 @@ TEST(DoubledElements, a_cell_that_stands_twice_is_refused_with_both_names) {
                              "\"body\"", "each cell once"});
 }
 
-/// As a model has it whose surface was made twice: other nodes order, another entity and group.
+/// A model whose surface was made twice has the same facet with another order of nodes, entity and
+/// group.
 TEST(DoubledElements, whatever_the_order_of_nodes_and_whichever_the_entity) {
   GmshText file = tower();
   file.groups.push_back({2, 4, "again"});

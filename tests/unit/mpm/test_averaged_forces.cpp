@@ -32,7 +32,7 @@ struct AveragedSoil {
     soil.fill(type == CellType::tri3 ? 3 : type == CellType::hex8 ? 8 : 4);
     prepare(type, law, squeeze, averaged);
   }
-  /// Under splines on 4^dim cells, whose regular points are then moved.
+  /// Soil under splines on 4^dim cells, whose regular points are then moved.
   template <class Place>
   AveragedSoil(const MaterialLaw<dim>& law, double squeeze, const Place& place)
       : soil(dim == 2 ? CellType::quad4 : CellType::hex8, 4, mpm::Basis::bspline) {

@@ -368,7 +368,8 @@ mpm::MaterialPoints<dim> points_of(const Mesh<dim>& mesh) {
   return points;
 }
 
-/// A column stands on an inclined plane: balls touch it, domains are as wide as the column.
+/// A column stands on an inclined plane: contact spheres touch it, domains are as wide as the
+/// column.
 TEST(PointDomains, fill_columns_on_an_inclined_plane) {
   const Vector<3> slope(0.7, -0.4, 0);
   const auto bottom = [&](const Vector<3>& x) { return slope.dot(x); };
@@ -387,7 +388,7 @@ TEST(PointDomains, fill_columns_on_an_inclined_plane) {
   EXPECT_NEAR(volume, 0.4, 1e-13);
 }
 
-/// On a warped bottom a ball touches the plane that is tangent to it below the point.
+/// A contact sphere on a warped bottom touches the plane that is tangent to it below the point.
 TEST(PointDomains, balls_touch_a_warped_surface) {
   const auto bottom = [](const Vector<3>& x) { return 0.3 * x[0] * x[1]; };
   constexpr int n = 8;

@@ -147,7 +147,7 @@ void expect_same_places(const BackgroundGrid<dim>& box, const Mesh<dim>& mesh) {
   EXPECT_TRUE(box.cells_at(mesh.nodes.front() - Vector<dim>::Constant(1e-6)).empty());
 }
 
-/// By numbers and from a mesh: nothing of it is stored, and all answers are those of the mesh.
+/// A grid by numbers stores no mesh, and gives all answers of the same grid from a mesh.
 template <int dim>
 void compare_with_mesh(const Vector<dim>& low, const Vector<dim>& high,
                        const typename BoxGrid<dim>::Index& num_cells) {

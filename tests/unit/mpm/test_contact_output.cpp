@@ -11,8 +11,8 @@
 namespace gabion::test {
 namespace {
 
-/// A block of 1 m on a rigid floor that goes by a given way upwards and to the side in each step of
-/// 0.01 s.
+/// A block of 1 m on a rigid floor that goes by a given displacement upwards and to the side in
+/// each step of 0.01 s.
 template <int dim>
 Json lifted_block(const std::string& method, double up = 0.01, double aside = 0) {
   const bool flat = dim == 2;

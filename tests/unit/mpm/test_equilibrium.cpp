@@ -409,7 +409,8 @@ TEST(Equilibrium, squeezing_a_point_flat_is_inadmissible) {
   EXPECT_TRUE(balance.equilibrium->evaluate(du, r, nullptr).admissible);
 }
 
-/// Soil pulled apart to its apex: the brace adds `share` of the stiffness of linear elasticity.
+/// Soil pulled apart to its apex: the regularisation adds `share` of the stiffness of linear
+/// elasticity.
 template <int dim>
 void expect_elastic_brace(CellType type, int points_per_cell, mpm::Basis basis) {
   SCOPED_TRACE(static_cast<int>(type));

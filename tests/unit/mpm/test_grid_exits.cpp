@@ -32,7 +32,7 @@ void take_steps(Solver& solver, double dt, int count) {
   }
 }
 
-/// The step fails before anything is accepted, in words that name point, way and side.
+/// The step fails before anything is accepted, in words that name point, path and side.
 TEST(GridExits, a_step_that_leads_out_fails_and_names_the_side) {
   for (const char* type : {"quad4", "tri3"}) {
     const auto solver = mpm_solver<2>(leaving(type));

@@ -124,7 +124,7 @@ TEST(kept_lists, have_facets_of_kilometres) {
   check_lists<3>(true);
 }
 
-/// Ground that moves by a random way of this size [m].
+/// Ground that moves by a random displacement of this size [m].
 template <int dim>
 struct Ground {
   std::vector<Simplex<dim>> simplices;

@@ -143,7 +143,7 @@ TEST(MaterialPath, substeps_go_on_from_each_other) {
   });
 }
 
-/// What does not depend on the way is found as without it, to the bit.
+/// A result that does not depend on the path is found as without it, to the bit.
 TEST(MaterialPath, elastic_states_stay) {
   const MaterialLaw<2> stiff = MohrCoulomb<2>(lambda, mu, friction_angle, dilation_angle, 1e9);
   for (const MaterialLaw<2>& law : {stiff, MaterialLaw<2>(NeoHookean<2>{lambda, mu})}) {

@@ -140,7 +140,8 @@ TEST(NoiseDamping, leaves_quadratic_fields) {
   });
 }
 
-/// As much in many short steps as in a long one, nothing without stress, little of what flows.
+/// The share is the same in many short steps as in a long one, zero without stress, small in soil
+/// that flows.
 TEST(NoiseDamping, share_follows_time_stress_and_shear) {
   const double h = 0.1;
   const double c = 2;

@@ -126,7 +126,7 @@ TEST(Outflow, soil_that_leaves_elsewhere_is_an_error) {
                                  {"side \"left\" (no wall)", "\"outflow\""});
 }
 
-/// Of a corner, each way out is through the side that it meets first.
+/// A point that leaves at a corner counts for the side that its path meets first.
 TEST(Outflow, each_side_has_its_mass) {
   Json json = sliding(2, "linear");
   json["outside"] = "remove";

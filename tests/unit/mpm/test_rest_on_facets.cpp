@@ -51,7 +51,7 @@ Json under_a_ramp(Json json) {
   return json;
 }
 
-/// Of two faces that are turned against each other by an angle.
+/// Places on two faces that are turned against each other by an angle.
 std::vector<mpm::RestingPlace<2>> two_places(double angle, double first, double second) {
   std::vector<mpm::RestingPlace<2>> places(2);
   places[0].normal = Vector<2>(0, 1);
@@ -137,7 +137,7 @@ TEST(RestOnFacets, a_restart_goes_on) {
   }
 }
 
-/// A touch that began while gravity grew keeps its stiffness after the ramp, also over a restart.
+/// A contact that began while gravity grew keeps its stiffness after the ramp, also over a restart.
 TEST(RestOnFacets, a_touch_that_took_weight_keeps_its_stiffness) {
   Json stiff = under_a_ramp(in_a_corner("gimp", "slip")), soft = stiff;
   soft["rigid_walls"][0]["resting_factor"] = 0;

@@ -37,7 +37,7 @@ TEST(RestartOnRanks, the_same_number_gives_the_same_bits) {
   }
 }
 
-/// From all ranks to one each, and from one to all.
+/// Restarts go from all ranks to one each, and from one to all.
 TEST(RestartOnRanks, another_number_gives_the_same_values) {
   for (const bool slides : {false, true}) {
     const Json json = slides ? sliding_scene({}) : collapse_scene({});

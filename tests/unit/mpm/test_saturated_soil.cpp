@@ -292,7 +292,7 @@ TEST(SaturatedSoil, restart) {
   EXPECT_EQ(second->probes(), straight->probes());
 }
 
-/// On all ranks as on one.
+/// The result on all ranks is that on one.
 TEST(SaturatedSoil, ranks) {
   const auto alone = mpm_solver<2>(falling_sand(0), MPI_COMM_SELF),
              shared = mpm_solver<2>(falling_sand(0));

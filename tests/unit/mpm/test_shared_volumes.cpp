@@ -37,7 +37,7 @@ struct UnevenSoil {
     soil.fill(type == CellType::tri3 ? 3 : type == CellType::hex8 ? 8 : 4);
     prepare(type, law, strain);
   }
-  /// Under splines in the rows 0 to 2 of 5.
+  /// Soil under splines in the rows 0 to 2 of 5.
   UnevenSoil(const MaterialLaw<dim>& law, double strain)
       : soil(CellType::quad4, 5, mpm::Basis::bspline) {
     soil.grid.splits_border = true;

@@ -181,7 +181,8 @@ Eigen::MatrixXd stiffness_below(const Vector<2>& lone_point, bool with_ghost) {
   return K(free, free);
 }
 
-/// Of the matrix scaled by its diagonal, as a Krylov method with Jacobi's preconditioner sees it.
+/// Condition number of the matrix scaled by its diagonal, as a Krylov method with Jacobi's
+/// preconditioner sees it.
 double condition_number(const Eigen::MatrixXd& K) {
   const Eigen::VectorXd scale = K.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::VectorXd values =

@@ -49,7 +49,7 @@ std::vector<SurfaceFeature<dim>> features(const ContactSurface<dim>& surface, co
   return found;
 }
 
-/// Shortest way of a ball with the radius `reach` out of the planes that it is in.
+/// Shortest displacement of a sphere with the radius `reach` out of the planes that it is in.
 Vector<2> way_out_of(const ContactSurface<2>& surface, const Vector<2>& x, const Vector<2>& y,
                      double reach) {
   std::vector<Vector<2>> normals;
@@ -88,7 +88,7 @@ ContactSurface<2> thin_wall() {
           .facets = {0, 1, 1, 2, 2, 3}};
 }
 
-/// By brute force: no place of the simplex, sampled finely, is closer.
+/// Check by brute force: no place of the simplex, sampled finely, is closer.
 template <int dim>
 void check_closest_place() {
   Random random;
@@ -274,7 +274,8 @@ TEST(SurfaceFeatures, beyond_the_end_of_a_facet_the_next_one_carries_its_force) 
   }
 }
 
-/// The way out of a bend changes continuously as a ball of radius 0.1 goes along it.
+/// The shortest displacement out of a bend changes continuously as a sphere of radius 0.1 goes
+/// along it.
 /// @param height  of the centre above the surface
 void expect_smooth_way(double bend, double height) {
   constexpr double radius = 0.1, stretch = 0.2;
@@ -293,7 +294,7 @@ void expect_smooth_way(double bend, double height) {
   EXPECT_LT(largest, 3 * stretch / places) << bend << ' ' << height;
 }
 
-/// Also for a centre that went through the surface.
+/// The forces fade in also for a centre that went through the surface.
 TEST(SurfaceFeatures, a_bend_fades_in_at_every_angle) {
   for (const double bend : {0.06, 0.3, 0.49, 0.8}) {
     for (const double height : {0.05, 1e-4, -1e-4}) expect_smooth_way(bend, height);

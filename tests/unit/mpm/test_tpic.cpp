@@ -27,7 +27,7 @@ void scatter_with_gradients(SoilPatch<dim>& soil) {
   for (auto& grad : soil.points.grad_a) grad = random_matrix<dim>(soil.random);
 }
 
-/// By infinitesimal or finite angle; in 3D about an oblique axis.
+/// Rotation by an infinitesimal or finite angle; in 3D about an oblique axis.
 template <int dim>
 Matrix<dim> rotation(double angle) {
   if constexpr (dim == 2) {

@@ -43,7 +43,7 @@ struct Held {
   static std::span<double> flat_of(std::vector<Vector<dim>>& v) {
     return {v.front().data(), v.size() * dim};
   }
-  /// Of directions in which the node may move.
+  /// Number of directions in which the node may move.
   int freedom(std::size_t node) const { return static_cast<int>(std::lround(Q[node].trace())); }
 };
 

@@ -125,7 +125,8 @@ TEST(WallStop, shear_over_a_wall_goes_on) {
     const double energy = mpm::point_totals(comm(), soil.points).kinetic_energy;
     mpm::WallStop<dim> stop;
     stop.find(soil.points, soil.weights, walls, 0.1, soil.nodes);
-    // In the first row of cells only; the nodes alone would lose 0.4 of its energy in each step.
+    // Energy is lost in the first row of cells only; the nodes alone would lose 0.4 of it in each
+    // step.
     EXPECT_LT(std::abs(stop.totals().loss), 0.01 * energy);
   });
 }

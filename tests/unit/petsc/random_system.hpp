@@ -26,7 +26,7 @@ struct RandomSystem {
   }
 };
 
-/// With the pattern of the system and cells of it, see RandomSystem::assemble.
+/// A matrix with the pattern of the system, assembled from cells of it (RandomSystem::assemble).
 template <int block_size>
 BlockMatrix<block_size> assembled(const RandomSystem<block_size>& system, int first = 0,
                                   int stride = 1) {

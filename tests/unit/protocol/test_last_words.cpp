@@ -132,7 +132,7 @@ TEST_F(LastWords, a_state_that_was_saved_counts) {
   EXPECT_EQ(found.reals, state.reals);
 }
 
-/// Such as one that it wrote on another machine.
+/// A file is missing where the participant wrote it on another machine.
 TEST_F(LastWords, a_file_that_is_not_there_is_an_error) {
   Message answer = busy(new_message("saved", {{"state", Json::object()}}));
   answer.fields["file"] = "/no/such/folder/soil.h5";

@@ -106,7 +106,7 @@ class OwnLoop : public testing::Test {
     EXPECT_EQ(sent["wall"], std::vector<double>(6, sent["wall"][0]));
     return sent["wall"][0];
   }
-  /// With the dt of the last solution.
+  /// Accept a step with the dt of the last solution.
   AcceptReport accept(std::int64_t step, bool solved = true) {
     return solver().accept_step({step, 0, std::exchange(time_, time_ + dt_), dt_}, solved);
   }

@@ -121,7 +121,7 @@ std::vector<std::string> types_of(const std::vector<Message>& messages) {
   return types;
 }
 
-/// On the first rank the error itself; the others are told whose it is.
+/// The first rank throws the error itself; the others are told whose it is.
 void expect_failure(Script& script, Solver& solver, const std::string& text) {
   const std::string told = rank() == 0 ? text : "rank 0 failed: " + text;
   expect_error<ProtocolError>([&] { follow(script, solver); }, {told});
@@ -173,7 +173,7 @@ TEST(RankedSolver, other_failures_end_all_ranks) {
   expect_error<Error>([&] { follow(script, recorder); }, {"disk full"});
 }
 
-/// Of several failures the worst one is told, on every rank.
+/// The worst of several failures is told, on every rank.
 TEST(RankedSolver, the_worst_failure_is_agreed) {
   class Failing : public Recorder {
     void write_output(double) override {
@@ -386,7 +386,7 @@ TEST(RankedSolver, the_summary_says_what_the_steps_sent) {
   EXPECT_EQ(mpi.at("messages").at("all_ranks"), 0);
 }
 
-/// Such as a handshake that failed.
+/// The first rank ends the others where, for example, the handshake failed.
 TEST(RankedSolver, the_first_rank_can_end_the_others_before_the_first_request) {
   Recorder recorder;
   if (rank() == 0) {

@@ -18,7 +18,7 @@ constexpr double E = 1e6, nu = 0.3;
 const Lame lame(E, nu);
 constexpr int steps = 72;
 
-/// Deformation gradient after a share s of the way, s from 0 to 1.
+/// Deformation gradient after a share s of the path, s from 0 to 1.
 template <int dim>
 using Path = std::function<Matrix<dim>(double s)>;
 

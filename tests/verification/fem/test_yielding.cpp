@@ -95,7 +95,8 @@ fem::FemSettings<2> quarter_ring(double p, int radial, int around) {
     const double share = n == 0 || n == around ? 0.5 : 1;
     fem::LoadSettings<2> load;
     load.point = a * Vector<2>(std::cos(angle), std::sin(angle));
-    // Of the pressure on the two chords beside the node; on the axes the supports bear the rest.
+    // The load is that of the pressure on the two chords beside the node; on the axes the supports
+    // bear the rest.
     load.force = share * p * a * std::sin(2 * half) * load.point->normalized();
     load.factor = fem::TimeFunction::table({0, 1}, {0, 1});
     settings.loads.push_back(load);

@@ -13,7 +13,7 @@
 
 namespace gabion::test {
 
-/// Where a place of the flat box lies in the scene: along the bed, (across it,) above it [m].
+/// Place in the scene of a place of the flat box: along the bed, (across it,) above it [m].
 template <int dim>
 using BedMap = std::function<Vector<dim>(const Vector<dim>&)>;
 

@@ -35,8 +35,8 @@ namespace gabion::test {
 /// since the friction tan delta p of the bed has the moment int p (x - x_c) dx = int sigma_xz dA.
 /// Hence k = K - tan^2 delta, which is 0 for a rigid cap (phi = 90 degrees); K is not.
 ///
-/// For any motion that slides all along the bed x_c + tan delta z_c has exactly the acceleration
-/// g (sin zeta - cos zeta tan delta).
+/// The sum x_c + tan delta z_c has, for any motion that slides all along the bed, exactly the
+/// acceleration g (sin zeta - cos zeta tan delta).
 struct ParabolicCap {
   double bed_angle = 25;                     ///< delta [deg]
   double L = 0.5, H = 0.05;                  ///< half length and height at the start [m]

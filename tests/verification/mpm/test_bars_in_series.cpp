@@ -19,7 +19,7 @@ namespace {
 constexpr double L1 = 1, L2 = 0.5, A = 0.5, E1 = 1e6, nu1 = 0.25, E2 = 4e6, eps = 2e7;
 constexpr double D = 1e-8, q = 8e-3, total = D + q * L2 / E2;
 
-/// So light that the steps of 1 s are static: density L^2 / (M dt^2) = 1e-14.
+/// The soil is so light that the steps of 1 s are static: density L^2 / (M dt^2) = 1e-14.
 Json soil(const std::string& type) {
   return {{"dimension", 2},
           {"grid", box({0, 0}, {L1 + 0.25, A}, {5, 2}, type)},

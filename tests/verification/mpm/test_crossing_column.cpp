@@ -212,10 +212,10 @@ TEST(V2_CrossingColumn, in_space) {
   }
 }
 
-/// Where splines stall. Points at the distance d, each with the volume d, sum up a function f as
-/// its integral plus its Fourier transform at k = 2 pi m / d. For f = grad N of the quadratic
-/// splines this leaves at the nodes of a uniformly stressed bar forces whose balance needs, from m
-/// = 1, stresses
+/// The case in which splines stall. Points at the distance d, each with the volume d, sum up a
+/// function f as its integral plus its Fourier transform at k = 2 pi m / d. For f = grad N of the
+/// quadratic splines this leaves at the nodes of a uniformly stressed bar forces whose balance
+/// needs, from m = 1, stresses
 ///
 ///     delta sigma = 2 sigma [sin(k h / 2) / (k h / 2)]^2 cos(k x)
 ///

@@ -136,8 +136,9 @@ TEST(V12_InitialStress, mass_and_volume_are_those_of_compressed_soil) {
   EXPECT_NEAR(volume, H * H / 2, 1e-12);
 }
 
-/// V13: smooth wall moved by 0.005 H, uniform limit state: F = K rho g H^2 / 2. The wall's way is
-/// 0.005 of the soil's width too: cells see the volume before it, which is half of the error.
+/// V13: smooth wall moved by 0.005 H, uniform limit state: F = K rho g H^2 / 2. The wall's
+/// displacement is 0.005 of the soil's width too: cells see the volume before it, which is half of
+/// the error.
 void check_rankine(double phi, double direction) {
   Json json = soil_box<2>("quad4", 10, 4, sand(2e7, phi), 10);
   json["analysis"] = "quasi_static";

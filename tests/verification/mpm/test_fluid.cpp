@@ -54,7 +54,7 @@ Json tank_scene(const Tank& tank) {
   return json;
 }
 
-/// Largest way of a point in 0.4 s, over the size of a cell.
+/// Largest displacement of a point in 0.4 s, over the size of a cell.
 double largest_way(const Tank& tank) {
   const auto solver = mpm_solver<2>(tank_scene(tank));
   const auto start = solver->points().x;

@@ -133,7 +133,7 @@ struct CoupledImpact {
   double v_mpm, v_fem;  ///< mean velocities at the end [m/s]
 };
 
-/// How the soil's bar goes.
+/// Properties of the soil's bar.
 struct Striking {
   double E_fem = E;
   double courant = 0.25;  // c dt / h

@@ -23,7 +23,7 @@ struct Column {
   double length = 1.2;  // [m]
 };
 
-/// After 0.3 s [m/s].
+/// Mean speed after 0.3 s [m/s].
 double mean_speed(const Column& column) {
   const double h = 2 * half / cells;
   const auto rows = [h](double height) { return static_cast<int>(std::lround(height / h)); };

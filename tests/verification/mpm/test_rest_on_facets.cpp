@@ -286,7 +286,7 @@ TEST(V12_RestOnFacets, leaning_wall) {
   std::filesystem::remove(mesh);
 }
 
-/// In 3D between a wall of the grid and one of facets, on a floor of facets.
+/// Soil in 3D rests between a wall of the grid and one of facets, on a floor of facets.
 TEST(V12_RestOnFacets, in_3d) {
   constexpr int n = 4;
   constexpr double a = 0.25, W = 0.5625;

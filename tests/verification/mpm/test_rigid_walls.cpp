@@ -205,8 +205,8 @@ TEST(RigidWalls, plate_pressed_on_a_column_and_pulled_off) {
   }
 }
 
-/// By facets F = A c M (d / h)^2 with the depth d, and D = L F / (M A) + d. The mean force of a
-/// step comes to this within some steps.
+/// The force by facets is F = A c M (d / h)^2 with the depth d, and D = L F / (M A) + d. The mean
+/// force of a step comes to this within some steps.
 TEST(RigidWalls, plate_pressed_on_a_column_by_facets) {
   const double M = E * 0.75 / (1.25 * 0.5), A = 0.5, h = 0.25;
   for (const double factor : {10.0, 1e5}) {

@@ -10,10 +10,10 @@
 namespace gabion::test {
 namespace {
 
-/// V10: a disc or a ball on a plane of the slope t, by facets. It rolls where tan t <= 3 mu (ball
-/// 3.5 mu), with a = 2/3 g sin t (5/7); else it slides with a = g (sin t - mu cos t), and its rim
-/// gains the speed R alpha = 2 mu g cos t (5/2). Gravity comes within `ramp`, so that nothing
-/// bounces at the start.
+/// V10: a disc or a sphere on a plane of the slope t, by facets. It rolls where tan t <= 3 mu
+/// (sphere 3.5 mu), with a = 2/3 g sin t (5/7); else it slides with a = g (sin t - mu cos t), and
+/// its rim gains the speed R alpha = 2 mu g cos t (5/2). Gravity comes within `ramp`, so that
+/// nothing bounces at the start.
 constexpr double R = 0.5, E = 2e8, nu = 0.3, density = 7800, g = 9.81, ramp = 0.2;
 
 struct Roll {
@@ -77,7 +77,7 @@ Json scene(const Roll& roll, const Json& grid, const Vector<dim>& gravity, const
           {"rigid_walls", {plane(surface, roll.mu)}}};
 }
 
-/// From rest; x is the way.
+/// Run from rest; x is the distance that was rolled [m].
 template <int dim>
 Motion<dim> run(mpm::MpmSettings<dim> settings, const Roll& roll, const Vector<dim>& centre) {
   mpm::MpmSolver<dim> solver(comm(), std::move(settings), "");
@@ -87,7 +87,7 @@ Motion<dim> run(mpm::MpmSettings<dim> settings, const Roll& roll, const Vector<d
   return motion;
 }
 
-/// Bounds of a roll; wider than what is asked, 1 % and of the ball 2 %: a limit.
+/// Bounds of a roll; wider than what is asked, 1 % and for the sphere 2 %: a limit.
 struct Bounds {
   double way, spin;
 };
@@ -201,7 +201,7 @@ TEST(V10_Rolling, disc_without_friction) {
   check_everywhere(roll, {1e-4, 0});
 }
 
-/// A box of cells, pulled into a ball.
+/// A box of cells, pulled into a sphere.
 Mesh<3> ball(const Vector<3>& centre, int cells) {
   Mesh<3> mesh = box_mesh<3>({-1, -1, -1}, {1, 1, 1}, {cells, cells, cells}, CellType::hex8);
   for (auto& X : mesh.nodes) {
@@ -232,7 +232,8 @@ TEST(V10_Rolling, ball) {
   Roll roll{.slope = M_PI / 4, .mu = 1, .h = 0.125, .dt = 4e-3, .end = 0.6, .points = 8};
   check<3>(roll, "FLIP", roll_ball(roll), {0.038, 0.031});
   roll.tpic = true;
-  // 0.048 with `resting_factor` 0: the corners on which the ball stands while gravity grows are stiff.
+  // 0.048 with `resting_factor` 0: the corners on which the sphere stands while gravity grows are
+  // stiff.
   check<3>(roll, "TPIC", roll_ball(roll), {0.02, 0.058});
   roll.mu = 0.1;
   roll.tpic = false;

@@ -20,7 +20,7 @@ Json sand(double E) {
   return soil;
 }
 
-/// How V13 is solved.
+/// Method by which V13 is solved.
 struct Way {
   std::string name;
   std::string basis;
@@ -211,7 +211,7 @@ TEST(V18_ThrownSand, gains_no_energy_from_facets) {
   verify_energy("two", "a floor and a wall");
 }
 
-/// There the springs of the friction share their stiffness, by parts that change.
+/// Springs of the friction share their stiffness in a re-entrant corner, by parts that change.
 TEST(V18_ThrownSand, gains_no_energy_from_an_inside_corner) {
   verify_energy("one", "an inside corner");
 }

@@ -11,7 +11,8 @@
 namespace gabion::test {
 namespace {
 
-/// So stiff that nominal and true stresses differ by less than 1e-6: strains are pressure / E.
+/// The soil is so stiff that nominal and true stresses differ by less than 1e-6: strains are
+/// pressure / E.
 constexpr double E = 1e11, nu = 0.3, pressure = 1e3;
 constexpr double degree = M_PI / 180;
 const Lame lame(E, nu);
