@@ -147,6 +147,7 @@ void FacetContact<dim>::accept() {
   surface_.accept();
   search_.end_step();
   contacts_.clear();
+  opened_.clear();
   order_contacts();
 }
 

@@ -124,7 +124,8 @@ TEST(GhostStiffness, energy_of_a_kink) {
   check_kink<2>(CellType::quad4, 2, {1, 0}, 0.5, 0.5, 1);
   check_kink<3>(CellType::hex8, 2, {0, 1, 0}, 0.5, 0.5, 1);
   const double across = std::sqrt(0.5);
-  const auto diagonal = unit_box<2>(CellType::tri3, 1).cell(0);
+  const auto mesh = unit_box<2>(CellType::tri3, 1);
+  const auto diagonal = mesh.cell(0);
   const bool rises = std::find(diagonal.begin(), diagonal.end(), 0) != diagonal.end() &&
                      std::find(diagonal.begin(), diagonal.end(), 3) != diagonal.end();
   const Vector<2> normal = rises ? Vector<2>(across, -across) : Vector<2>(across, across);
