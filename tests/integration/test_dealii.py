@@ -174,7 +174,7 @@ class Driven(IntegrationCase):
                 path = self.folder / "structure.json"
                 path.write_text(json.dumps(WALL | change))
                 done = subprocess.run([PROGRAM, "--coupler", "tcp://127.0.0.1:9", "--settings", str(path)], text=True,
-                                      capture_output=True, check=False, timeout=60)
+                                      capture_output=True, check=False, timeout=600)
                 self.assertEqual(done.returncode, 2, done.stderr)
                 self.assert_says(done.stderr, "[dealii] error: ", *words)
 

@@ -57,8 +57,8 @@ class NewStructure(unittest.TestCase):
         command = json.loads((folder / "coupler.json").read_text())["participants"]["gate"]["command"]
         environment = {**os.environ, "PYTHONPATH": str(ROOT / "protocol" / "python")}
         structure = subprocess.run([*command, "--coupler", endpoint], cwd=folder, env=environment, capture_output=True,
-                                   text=True, timeout=60, check=False)
-        text = coupler.communicate(timeout=60)[0]
+                                   text=True, timeout=600, check=False)
+        text = coupler.communicate(timeout=600)[0]
         self.assertEqual((coupler.returncode, structure.returncode), (0, 0), text + structure.stderr)
         self.assertRegex(text, "the same steps after save, other steps and load +passed")
         self.assertRegex(text, "the end +passed")
@@ -80,7 +80,7 @@ class NewStructure(unittest.TestCase):
             self.build(folder)
             self.check(folder)
         done = subprocess.run([folder / "build" / "structure", "--coupler", "nonsense"], capture_output=True, text=True,
-                              timeout=60, check=False)
+                              timeout=600, check=False)
         self.assertEqual(done.returncode, 4)
         self.assertIn('[gate] error: cannot connect to the coupler at "nonsense"', done.stderr)
 

@@ -37,7 +37,7 @@ LIBRARY = (r"lib/libgabion_participant\.so(\.\d+){0,3}"
 
 def run(*command: object) -> str:
     done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                          timeout=150, check=False)
+                          timeout=600, check=False)
     if done.returncode != 0:
         raise AssertionError(f"{command}: exit code {done.returncode}\n{done.stdout}")
     return done.stdout
@@ -65,8 +65,8 @@ class Package(unittest.TestCase):
         coupler = subprocess.Popen([binaries / "coupler", self.folder / "scene", "--check-participant", "structure",
                                     "--coupler", endpoint], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         foreign = subprocess.run([self.outside / program, endpoint, *options], capture_output=True, text=True,
-                                 timeout=60, check=False)
-        text = coupler.communicate(timeout=60)[0]
+                                 timeout=600, check=False)
+        text = coupler.communicate(timeout=600)[0]
         return coupler.returncode, text, foreign
 
     def test_nothing_but_the_package_is_installed(self) -> None:
@@ -115,7 +115,7 @@ class Package(unittest.TestCase):
         self.assertRegex(text, "the same steps after save, other steps and load +not asked")
 
     def test_no_coupler(self) -> None:
-        done = subprocess.run([self.outside / "spring_in_c", "nonsense"], capture_output=True, text=True, timeout=60,
+        done = subprocess.run([self.outside / "spring_in_c", "nonsense"], capture_output=True, text=True, timeout=600,
                               check=False)
         self.assertEqual(done.returncode, 4)
         self.assertIn('cannot connect to the coupler at "nonsense"', done.stderr)

@@ -84,7 +84,7 @@ class CoupledRun(AdapterCase):
         self.addCleanup(started.kill)
         self.hello = self.coupler.welcome(run={"end": 1.0, "dt": STEP})
         self.drive(own_dt)
-        out, errors = started.communicate(timeout=50)
+        out, errors = started.communicate(timeout=600)
         self.assertEqual((started.returncode, errors), (0, ""))
         return out
 

@@ -457,7 +457,7 @@ class Ranks(ParticipantCase):
         self.addCleanup(led.kill)
         self.assertEqual(led.stdout.readline(), "here\n")
         other.kill()
-        _, text = led.communicate(timeout=50)
+        _, text = led.communicate(timeout=600)
         self.assertEqual(led.returncode, -signal.SIGKILL)
         self.assertIn(f"[wall] error: rank 1 (pid {other.pid}) has died", text)
 

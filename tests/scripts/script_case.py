@@ -27,7 +27,7 @@ class ScriptCase(unittest.TestCase):
     def script(self, name: str, *arguments: object) -> subprocess.CompletedProcess:
         """Run a script as a program."""
         command = [str(ROOT / "scripts" / name), *map(str, arguments)]
-        return subprocess.run(command, capture_output=True, text=True, check=False, timeout=100)
+        return subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
 
     def python_script(self, name: str, *arguments: object) -> subprocess.CompletedProcess:
         """Run a script that is written in Python inside this process: no second start of matplotlib."""

@@ -32,7 +32,7 @@ class Install(ScriptCase):
         environment |= {key: os.environ[key] for key in ("TMPDIR",) if key in os.environ}
         done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                               text=True,
-                              cwd=self.folder, env=environment, timeout=200, check=False)
+                              cwd=self.folder, env=environment, timeout=600, check=False)
         self.assertEqual(done.returncode, code, f"{command}\n{done.stdout}")
         return done.stdout
 

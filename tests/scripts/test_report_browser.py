@@ -85,7 +85,7 @@ class Browser(ScriptCase):
             [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--v=0",
              "--virtual-time-budget=5000", f"--user-data-dir={self.folder / 'browser'}", "--dump-dom",
              f"file://{file}"],
-            capture_output=True, text=True, timeout=200, check=False)
+            capture_output=True, text=True, timeout=600, check=False)
         self.assertEqual(done.returncode, 0, done.stderr[-2000:])
         return done.stdout, [line for line in done.stderr.splitlines() if ":CONSOLE" in line]
 

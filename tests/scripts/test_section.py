@@ -257,7 +257,7 @@ class Scenes(SectionCase):
     def program(self, name: str, *options: object) -> subprocess.CompletedProcess:
         return subprocess.run([PROGRAMS / name, self.folder / "scene", "--output", self.folder / "results",
                                *map(str, options)],
-                              capture_output=True, text=True, check=False, timeout=100)
+                              capture_output=True, text=True, check=False, timeout=600)
 
     def test_level_ground_with_water_runs_to_its_end_at_rest(self) -> None:
         plan = self.plan(ground=Water.FLAT, layers=Water.LEVEL, water={"table": -0.2}, time={"end": 0.02, "dt": 0.01})

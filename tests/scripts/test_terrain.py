@@ -253,7 +253,7 @@ class Scenes(TerrainCase):
             command += [*([":"] if k else []), "-n", "1", str(PROGRAMS / program), str(scene), "--check", "--output",
                         str(self.folder / "out")]
         environment = os.environ | {"OMP_NUM_THREADS": "1", "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}
-        ended = subprocess.run(command, capture_output=True, text=True, check=False, timeout=90, env=environment)
+        ended = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600, env=environment)
         self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
         return ended.stdout + ended.stderr
 
