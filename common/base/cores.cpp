@@ -4,8 +4,11 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
+#include <iterator>
 #include <set>
+#include <sstream>
 #include <thread>
 
 namespace gabion {
@@ -33,6 +36,36 @@ std::string own_group() {
   return "";
 }
 
+struct Ticks {
+  double idle = 0, all = 0;
+};
+
+/// Of a processor by its line "cpuN user nice system idle iowait irq softirq steal …"; a machine
+/// that waits for its host is not idle.
+std::optional<Ticks> ticks_of(const std::string& stat, int cpu) {
+  constexpr int num_fields = 8, idle = 3, waiting_for_disk = 4;
+  std::istringstream in(stat);
+  const std::string name = "cpu" + std::to_string(cpu) + " ";
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with(name)) continue;
+    std::istringstream fields(line.substr(name.size()));
+    Ticks ticks;
+    for (int k = 0; k < num_fields; ++k) {
+      double value = 0;
+      if (!(fields >> value)) return std::nullopt;
+      ticks.all += value;
+      if (k == idle || k == waiting_for_disk) ticks.idle += value;
+    }
+    return ticks;
+  }
+  return std::nullopt;
+}
+
+std::string text_of(const std::string& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 /// Whole processors of a cpu.max ("200000 100000"), at least 1; 0: "max", or no such file.
 int quota_in(const std::string& file) {
   std::ifstream in(file);
@@ -49,6 +82,23 @@ int usable_cores() {
                                  : count_cores(cpus, "/sys/devices/system/cpu");
   const int quota = quota_of_group("/sys/fs/cgroup", own_group());
   return std::max(1, quota > 0 ? std::min(cores, quota) : cores);
+}
+
+std::optional<double> idle_processors(double seconds) {
+  const std::string before = text_of("/proc/stat");
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  return idle_between(before, text_of("/proc/stat"), allowed_cpus());
+}
+
+std::optional<double> idle_between(const std::string& before, const std::string& after,
+                                   const std::vector<int>& cpus) {
+  double idle = 0;
+  for (const int cpu : cpus) {
+    const auto a = ticks_of(before, cpu), b = ticks_of(after, cpu);
+    if (!a || !b || b->all <= a->all) return std::nullopt;
+    idle += (b->idle - a->idle) / (b->all - a->all);
+  }
+  return cpus.empty() ? std::nullopt : std::optional(idle);
 }
 
 int count_cores(const std::vector<int>& cpus, const std::string& folder) {

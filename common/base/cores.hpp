@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,15 @@ namespace gabion {
 /// Cores that this process may use: those of its affinity mask, hardware threads of one core
 /// counted once, and no more than the quota of its control group (version 2). At least 1.
 int usable_cores();
+
+/// Processors of the affinity mask that nobody uses, measured over so many seconds: a sum of
+/// shares. None where the system does not say.
+std::optional<double> idle_processors(double seconds);
+
+/// The same between two texts of /proc/stat.
+/// @param cpus  numbers of the system
+std::optional<double> idle_between(const std::string& before, const std::string& after,
+                                   const std::vector<int>& cpus);
 
 /// Number of cores that these processors are threads of.
 /// @param cpus    numbers of the system

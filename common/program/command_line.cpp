@@ -84,8 +84,8 @@ std::optional<int> read_command_line(int argc, char** argv, const ProgramEntry& 
   }
   if (program.name == "mpm_solver") {
     app.add_option("--advise-ranks", options.advise_ranks,
-                   "Print how many MPI ranks pay on so many cores (0: those that it may use) and "
-                   "why, each item ended by a NUL, then end")
+                   "Print how many MPI ranks pay on so many cores (0: those that it may use and "
+                   "that are idle) and why, each item ended by a NUL, then end")
         ->type_name("CORES")
         ->check(CLI::NonNegativeNumber);
   }

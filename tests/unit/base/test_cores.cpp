@@ -50,6 +50,23 @@ TEST(Cores, quota_is_the_least_of_a_group_and_those_above) {
   EXPECT_EQ(quota_of_group(root, "/a/b"), 2);
 }
 
+TEST(Cores, idle_processors_are_those_of_the_mask) {
+  const std::string before =
+      "cpu  1 1 1 1 1 1 1 1 0 0\ncpu0 100 0 50 1000 10 0 0 0 0 0\n"
+      "cpu1 100 0 50 1000 10 0 0 0 0 0\ncpu10 0 0 0 0 0 0 0 0 0 0\nintr 5\n";
+  const std::string after =
+      "cpu  1 1 1 1 1 1 1 1 0 0\ncpu0 110 5 55 1070 20 0 0 0 0 0\n"
+      "cpu1 150 0 50 1000 10 0 0 50 0 0\ncpu10 10 0 0 0 0 0 0 0 0 0\nintr 9\n";
+  EXPECT_DOUBLE_EQ(idle_between(before, after, {0}).value(), 0.8);  // that waits for the disk too
+  EXPECT_DOUBLE_EQ(idle_between(before, after, {1}).value(), 0);    // half of it the host's
+  EXPECT_DOUBLE_EQ(idle_between(before, after, {0, 1, 10}).value(), 0.8);
+  EXPECT_FALSE(idle_between(before, after, {2}));  // is not there
+  EXPECT_FALSE(idle_between(before, before, {0}));
+  EXPECT_FALSE(idle_between(before, after, {}));
+  EXPECT_FALSE(idle_between("", "", {0}));
+  EXPECT_FALSE(idle_between("cpu0 1 2\n", "cpu0 2 3\n", {0}));
+}
+
 TEST(Cores, mask_of_this_process_counts) {
   cpu_set_t before;
   ASSERT_EQ(sched_getaffinity(0, sizeof before, &before), 0);
