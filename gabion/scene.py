@@ -124,7 +124,8 @@ class Scene:
     def start(self, output: str | Path, ranks: dict[str, int] | None = None, options: tuple[str, ...] = ()) -> Job:
         """Start a run through scripts/run, which builds what is missing first, and do not wait.
 
-        output: folder of the results; ranks: MPI ranks of solvers, such as {"mpm": 2}; options: more of scripts/run.
+        output: folder of the results; ranks: MPI ranks of solvers, such as {"mpm": 2}, None: those that pay; options:
+        more of scripts/run.
         """
         words = [word for each in self.options for word in ("--set", each)]
         if ranks:

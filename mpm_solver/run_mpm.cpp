@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/run_mpm.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/cores.hpp"
 #include "mpm_solver/mpm_config.hpp"
 #include "mpm_solver/mpm_solver.hpp"
+#include "mpm_solver/ranks/rank_advice.hpp"
 
 namespace gabion {
 
@@ -15,6 +22,36 @@ std::unique_ptr<Solver> make_solver(const Scene& scene, ConfigReader& in, MPI_Co
                                                output_folder);
 }
 
+template <int dim>
+mpm::RankAdvice advice_of(const Scene& scene, ConfigReader& in, AloneSettings* alone, int cores) {
+  return mpm::advise_ranks(mpm::read_mpm_settings<dim>(scene, in, alone), cores);
+}
+
+// Ranks wait for each other: with one whose core another process uses too, two are slower than one.
+mpm::RankAdvice on_idle_cores(mpm::RankAdvice advice) {
+  constexpr double measured_seconds = 0.3, used_by_the_system = 0.25;
+  if (advice.ranks == 1) return advice;
+  const auto idle = idle_processors(measured_seconds);
+  if (!idle) return {1, advice.reason + ", whose load the system does not tell"};
+  if (*idle + used_by_the_system >= advice.ranks) return advice;
+  advice.ranks = std::max(1, static_cast<int>(*idle + used_by_the_system));
+  advice.reason += fmt::format(", {:.1f} of which are idle", *idle);
+  return advice;
+}
+
+void print_rank_advice(const ProgramOptions& options) {
+  const Scene scene(options.scene, options.overrides);
+  ConfigReader in = scene.reader("mpm.json", mpm::mpm_keys());
+  const bool is_alone = !scene.has("coupler.json") && options.coupler.empty();
+  AloneSettings settings, *alone = is_alone ? &settings : nullptr;
+  const bool is_here = options.advise_ranks == 0;
+  const int cores = is_here ? usable_cores() : options.advise_ranks;
+  mpm::RankAdvice advice = in.integer("dimension") == 2 ? advice_of<2>(scene, in, alone, cores)
+                                                        : advice_of<3>(scene, in, alone, cores);
+  if (is_here) advice = on_idle_cores(std::move(advice));
+  fmt::print("{}{}{}{}", advice.ranks, '\0', advice.reason, '\0');
+}
+
 }  // namespace
 
 std::unique_ptr<Solver> make_mpm_solver(const Scene& scene, ConfigReader& in, MPI_Comm comm,
@@ -24,6 +61,10 @@ std::unique_ptr<Solver> make_mpm_solver(const Scene& scene, ConfigReader& in, MP
 }
 
 void run_mpm(const ProgramOptions& options, const MpiSession& session) {
+  if (options.advise_ranks >= 0) {
+    if (session.is_root()) print_rank_advice(options);
+    return;
+  }
   run_solver_program({"mpm_solver", mpm::mpm_keys(), make_mpm_solver}, options, session);
 }
 

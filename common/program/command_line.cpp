@@ -82,6 +82,13 @@ std::optional<int> read_command_line(int argc, char** argv, const ProgramEntry& 
                    "end")
         ->type_name("FOLDER");
   }
+  if (program.name == "mpm_solver") {
+    app.add_option("--advise-ranks", options.advise_ranks,
+                   "Print how many MPI ranks pay on so many cores (0: those that it may use and "
+                   "that are idle) and why, each item ended by a NUL, then end")
+        ->type_name("CORES")
+        ->check(CLI::NonNegativeNumber);
+  }
   app.set_version_flag("--version", std::string("gabion ") + version);
   try {
     app.parse(argc, argv);

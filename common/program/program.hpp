@@ -26,6 +26,8 @@ struct ProgramOptions {
   std::string describe_keys;       ///< "markdown" or "schema": print the keys of its file, then end
   bool list_participants = false;  ///< coupler: print who takes part and how, then end
   std::string check_participant;   ///< coupler: drive this participant through a check, then end
+  int advise_ranks = -1;           ///< mpm_solver: print how many ranks pay on so many cores (0: on
+                                   ///< those it may use), then end; negative: not asked
   std::string write_matrices;      ///< fem_solver: write the structure as matrices there, then end
   double amplitude = 0;            ///< size of that check's values [N or m]; 0 = not given
 };

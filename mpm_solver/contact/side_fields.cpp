@@ -62,6 +62,12 @@ void reorder(const CellGroup& group, std::span<const std::int32_t> order,
 }  // namespace
 
 template <int dim>
+bool can_double_nodes(const BackgroundGrid<dim>& grid) {
+  constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max() / 2;
+  return grid.box && grid.num_nodes_total() <= most;
+}
+
+template <int dim>
 SideFields<dim>::SideFields(Faces<dim> faces, std::vector<FacePair> pairs,
                             const BackgroundGrid<dim>& grid)
     : grid_(grid), faces_(std::move(faces)), pairs_(std::move(pairs)), which_(members(pairs_)) {
@@ -325,6 +331,8 @@ void SideFields<dim>::split(const Surfaces<dim>& surfaces, const MaterialPoints<
   weights.num_fields = 2;
 }
 
+template bool can_double_nodes<2>(const BackgroundGrid<2>&);
+template bool can_double_nodes<3>(const BackgroundGrid<3>&);
 template class SideFields<2>;
 template class SideFields<3>;
 

@@ -14,6 +14,10 @@
 
 namespace gabion::mpm {
 
+/// Whether the numbers of doubled nodes fit in: a box that is not too large.
+template <int dim>
+bool can_double_nodes(const BackgroundGrid<dim>& grid);
+
 /// Gives soil on the two sides of a thin wall nodes of its own (docs/theory/interface.md, fields by
 /// side). A wall is thin where ThinWalls finds it so. A node is doubled where points of both sides
 /// weigh on it, by the sight between point and node through the faces of thin walls, and none that

@@ -146,12 +146,19 @@ void add_point(const NewPoint<dim>& point, MaterialPoints<dim>& points) {
 }
 
 template <int dim>
+std::int64_t num_points(const PointLayout<dim>& layout) {
+  const auto rule =
+      point_rule<dim>(layout.mesh.cell_type, layout.points_per_cell, layout.placement);
+  return layout.mesh.num_cells() * static_cast<std::int64_t>(rule.size());
+}
+
+template <int dim>
 std::int64_t lay_points(const PointLayout<dim>& layout, double density, const PointShare& share,
                         MaterialPoints<dim>& points) {
   const Mesh<dim>& mesh = layout.mesh;
   const auto rule = point_rule<dim>(mesh.cell_type, layout.points_per_cell, layout.placement);
   const auto rule_size = static_cast<std::int64_t>(rule.size());
-  const std::int64_t total = mesh.num_cells() * rule_size;
+  const std::int64_t total = num_points(layout);
   const std::int64_t first = total * share.part / share.num_parts;
   const std::int64_t last = total * (share.part + 1) / share.num_parts;
   if (points.body_starts.empty()) points.body_starts.push_back(0);
@@ -287,6 +294,8 @@ template void add_gradients<2>(MaterialPoints<2>&);
 template void add_gradients<3>(MaterialPoints<3>&);
 template void add_internal<2>(MaterialPoints<2>&);
 template void add_internal<3>(MaterialPoints<3>&);
+template std::int64_t num_points<2>(const PointLayout<2>&);
+template std::int64_t num_points<3>(const PointLayout<3>&);
 template std::int64_t lay_points<2>(const PointLayout<2>&, double, const PointShare&,
                                     MaterialPoints<2>&);
 template std::int64_t lay_points<3>(const PointLayout<3>&, double, const PointShare&,

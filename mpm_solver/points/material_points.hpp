@@ -189,6 +189,10 @@ void add_internal(MaterialPoints<dim>& points);
 template <int dim>
 void add_water(const std::vector<Body<dim>>& bodies, MaterialPoints<dim>& points);
 
+/// Number of points of a body on all ranks.
+template <int dim>
+std::int64_t num_points(const PointLayout<dim>& layout);
+
 /// Append the points of one body: each cell of the body mesh gets the points of `point_rule`, with
 /// the volume of the cell shared by the rule's weights.
 /// @returns number of points of the body on all ranks

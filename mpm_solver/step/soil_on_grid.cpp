@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <limits>
 #include <set>
 #include <utility>
 
@@ -42,11 +41,10 @@ std::string side_text(const Phase& phase, const std::vector<std::string>& sides)
                                    "have to round it off");
 }
 
-// Numbers of doubled nodes have to fit in, and ranks do not tell each other of sides.
+// Ranks do not tell each other of sides.
 template <int dim>
 bool may_double_nodes(const SoilModel<dim>& model) {
-  constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max() / 2;
-  return model.grid.box && model.grid.num_nodes_total() <= most && num_ranks(model.comm) == 1;
+  return can_double_nodes(model.grid) && num_ranks(model.comm) == 1;
 }
 
 std::vector<std::int32_t> take_cells(Packet& packet) {

@@ -197,8 +197,9 @@ class Runner:
         self._note(label).unlink(missing_ok=True)
 
     def _command(self, output: Path, scene: str, settings: list[str]) -> list[str]:
+        # One rank each unless a study says otherwise: what is measured does not depend on the cores of the machine.
         command = [str(ROOT / "scripts/run"), str(ROOT / "configs" / scene), "--output", str(output),
-                   "--no-plots", "--log-level", "warn", *self.start.words]
+                   "--no-plots", "--log-level", "warn", "--ranks", "mpm=1", *self.start.words]
         for setting in [*self._settings_for(scene), *settings]:
             command += ["--set", setting]
         return command

@@ -48,6 +48,22 @@ class Alone(IntegrationCase):
         self.assert_says(ended.text, "[mpm] error:", "mpm.json: at /time: missing")
 
 
+class Advice(IntegrationCase):
+    """mpm_solver says how many ranks pay; that of a coupled scene is asked without the coupler."""
+
+    def test_few_points(self) -> None:
+        for parts in ({"mpm": {**meeting()["mpm"], **ALONE}}, meeting()):
+            self.write_scene(parts)
+            said = self.run_program("mpm_solver", self.scene, "--advise-ranks", "8", code=0).text
+            self.assertTrue(said.startswith("1\0"), said)
+            self.assertTrue(said.endswith(" points in the plane: several ranks are not advised in the plane\0"), said)
+
+    def test_a_fault_of_the_scene_is_one_here(self) -> None:
+        self.write_scene({"mpm": {**meeting()["mpm"], **ALONE, "dimension": 4}})
+        ended = self.run_program("mpm_solver", self.scene, "--advise-ranks", "0", code=2)
+        self.assert_says(ended.text, "mpm.json: at /dimension")
+
+
 class Check(IntegrationCase):
     FILE = {"coupler": "coupler", "mpm_solver": "mpm", "fem_solver": "fem"}
 

@@ -24,7 +24,7 @@ from studies.coupled import FORCE_LIMITS, LIMITS, STUDIES, acceleration, error_v
 from studies.measures import Curve, Measured, relative_rms
 from studies.outcome import beyond, largest_rise, outcome, verdict
 from studies.run_out import height_law, run_out, run_out_law
-from studies.runner import Attempt, Runner
+from studies.runner import Attempt, Runner, Start
 from studies.stability import cases, families, folder, stability
 from studies.throw import LEVELS, Throw, sample
 
@@ -36,6 +36,15 @@ class ProgramTest(ScriptCase):
         for study in (speed, error_vs_time, acceleration, columns, run_out, coupling.coupling, stability):
             self.assertRegex(shown.stdout, rf"(?m)^  {study.__name__} +{re.escape(study.__doc__)}$")
             self.assertTrue((measured.FOLDER / f"{study.__name__}.md").exists(), study.__name__)
+
+
+class RanksOfRuns(ScriptCase):
+    def test_they_do_not_follow_from_the_machine(self) -> None:
+        def words(start: Start) -> list[str]:
+            return Runner(self.folder, False, [], start)._command(self.folder / "run", "scene", [])
+
+        self.assertEqual(words(Start())[-2:], ["--ranks", "mpm=1"])
+        self.assertEqual(words(Start(words=("--ranks", "mpm=2")))[-2:], ["--ranks", "mpm=2"])  # the last one holds
 
 
 class MadeUpRunner(Runner):

@@ -53,8 +53,8 @@ class Usage(ScriptCase):
 
     def test_ranks(self) -> None:
         scene = self.scene("mpm.json")
-        for found in ("soil=2", "mpm=0", "2", "mpm=2,fem=x"):
-            self.expect_refusal(scene, "--ranks", found, words="allowed: mpm=N,fem=N")
+        for found in ("soil=2", "mpm=0", "2", "mpm=2,fem=x", "mpm=auto", "auto,mpm=2", "Auto"):
+            self.expect_refusal(scene, "--ranks", found, words="allowed: auto, or mpm=N,fem=N")
 
     def test_empty_scene(self) -> None:
         self.expect_refusal(self.scene("notes.txt"), words="none of coupler.json, mpm.json, fem.json")
@@ -166,6 +166,81 @@ class FailedCommand(MadeUpCase):
         code, lines, _ = self.run_with("false", coupler=30, mpirun=85)
         self.assertEqual(code, 4, lines)
         self.assertNotIn("mpirun was hit", lines)
+
+
+ADVISER = """#!/bin/bash
+echo "$*" >>{folder}/asked
+echo a warning >&2
+printf '%b' '{answer}'
+exit {code}
+"""
+SHOWS_RANKS = """#!/bin/bash
+while (($#)); do [[ $1 != -n ]] || echo "$(basename "$3") on $2"; shift; done
+exit 7
+"""
+TWO_PROGRAMS = """#!/bin/bash
+[[ $* == *--list-participants* ]] || exit 1
+printf '%s\\0' 'tcp://127.0.0.1:*' soil mpm_solver 0 structure fem_solver 0
+"""
+
+
+class AdvisedRanks(MadeUpCase):
+    """scripts/run asks mpm_solver how many ranks pay."""
+
+    def run_with(self, answer: str, *options: str, code: int = 0, coupled: bool = False) -> list[str]:
+        """Lines that are said, without those of commands: each program with its ranks, and what led to them."""
+        words = self.made_up(TWO_PROGRAMS, SHOWS_RANKS)
+        for solver in ("mpm", "fem"):
+            self.write(f"scene/{solver}.json", "{}")
+        if not coupled:
+            (self.folder / "scene" / "coupler.json").unlink()
+            (self.folder / "scene" / "fem.json").unlink()
+        text = ADVISER.format(folder=self.folder, answer=answer, code=code)
+        self.write("bin/mpm_solver", text).chmod(0o755)
+        (self.folder / "asked").unlink(missing_ok=True)
+        done = subprocess.run([*words, *options], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              timeout=100, check=False)
+        self.assertEqual(done.returncode, 7, done.stdout)
+        return [line for line in done.stdout.splitlines() if not line.startswith(("OPENBLAS_", "The run failed"))]
+
+    @property
+    def asked(self) -> str:
+        file = self.folder / "asked"
+        return file.read_text(encoding="utf-8") if file.exists() else ""
+
+    def test_those_that_pay_are_taken_and_named(self) -> None:
+        said = ["mpm_solver: ranks: 3 (many points; --ranks mpm=N gives another number)", "mpm_solver on 3"]
+        for options in ((), ("--ranks", "auto")):
+            self.assertEqual(self.run_with(r"3\0many points\0", *options), said)
+
+    def test_settings_of_the_command_line_reach_the_question(self) -> None:
+        self.run_with(r"1\0few points\0", "--set", "mpm.json:/basis=gimp")
+        self.assertIn("/scene --advise-ranks 0 --set mpm.json:/basis=gimp", self.asked)
+
+    def test_one_rank_is_named_to_those_who_ask(self) -> None:
+        self.assertEqual(self.run_with(r"1\0few points\0"), ["mpm_solver on 1"])
+        self.assertEqual(self.run_with(r"1\0few points\0", "--ranks", "auto"),
+                         ["mpm_solver: ranks: 1 (few points; --ranks mpm=N gives another number)", "mpm_solver on 1"])
+
+    def test_number_that_is_given_holds(self) -> None:
+        for words in (["--ranks", "mpm=2"], ["--ranks", "auto", "--ranks", "mpm=2"]):
+            self.assertEqual(self.run_with(r"3\0many points\0", *words), ["mpm_solver on 2"])
+            self.assertEqual(self.asked, "")
+
+    def test_structure_keeps_one(self) -> None:
+        names = self.run_with(r"3\0many points\0", coupled=True)[1:]
+        self.assertEqual(names, ["coupler on 1", "mpm_solver on 3", "fem_solver on 1"])
+        names = self.run_with(r"3\0many points\0", "--ranks", "fem=2", coupled=True)[1:]
+        self.assertEqual(names, ["coupler on 1", "mpm_solver on 3", "fem_solver on 2"])
+
+    def test_program_that_does_not_answer_runs_on_one(self) -> None:
+        """What it finds at fault it says in the run."""
+        for answer, code in (("", 2), (r"3\0many points\0", 2), ("", 0), (r"many\0points\0", 0), (r"0\0\0", 0)):
+            self.assertEqual(self.run_with(answer, code=code), ["mpm_solver on 1"], answer)
+
+    def test_check_of_a_participant_keeps_one(self) -> None:
+        names = self.run_with(r"3\0many points\0", "--check-participant", "soil", coupled=True)
+        self.assertEqual((names, self.asked), (["coupler on 1", "mpm_solver on 1"], ""))
 
 
 LONE_COUPLER = """#!/usr/bin/python3

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/base/cores.hpp"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <sstream>
+#include <thread>
+
+namespace gabion {
+
+namespace {
+
+/// Empty: the machine has more processors than the mask holds.
+std::vector<int> allowed_cpus() {
+  cpu_set_t mask;
+  CPU_ZERO(&mask);
+  if (sched_getaffinity(0, sizeof mask, &mask) != 0) return {};
+  std::vector<int> cpus;
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(cpu, &mask)) cpus.push_back(cpu);
+  }
+  return cpus;
+}
+
+/// From the line "0::/path" of /proc/self/cgroup; empty: no groups of version 2.
+std::string own_group() {
+  std::ifstream in("/proc/self/cgroup");
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("0::")) return line.substr(3);
+  }
+  return "";
+}
+
+struct Ticks {
+  double idle = 0, all = 0;
+};
+
+/// Of a processor by its line "cpuN user nice system idle iowait irq softirq steal …"; a machine
+/// that waits for its host is not idle.
+std::optional<Ticks> ticks_of(const std::string& stat, int cpu) {
+  constexpr int num_fields = 8, idle = 3, waiting_for_disk = 4;
+  std::istringstream in(stat);
+  const std::string name = "cpu" + std::to_string(cpu) + " ";
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with(name)) continue;
+    std::istringstream fields(line.substr(name.size()));
+    Ticks ticks;
+    for (int k = 0; k < num_fields; ++k) {
+      double value = 0;
+      if (!(fields >> value)) return std::nullopt;
+      ticks.all += value;
+      if (k == idle || k == waiting_for_disk) ticks.idle += value;
+    }
+    return ticks;
+  }
+  return std::nullopt;
+}
+
+std::string text_of(const std::string& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Whole processors of a cpu.max ("200000 100000"), at least 1; 0: "max", or no such file.
+int quota_in(const std::string& file) {
+  std::ifstream in(file);
+  double quota = 0, period = 0;
+  if (!(in >> quota >> period) || quota <= 0 || period <= 0) return 0;
+  return std::max(1, static_cast<int>(quota / period));
+}
+
+}  // namespace
+
+int usable_cores() {
+  const std::vector<int> cpus = allowed_cpus();
+  const int cores = cpus.empty() ? static_cast<int>(std::thread::hardware_concurrency())
+                                 : count_cores(cpus, "/sys/devices/system/cpu");
+  const int quota = quota_of_group("/sys/fs/cgroup", own_group());
+  return std::max(1, quota > 0 ? std::min(cores, quota) : cores);
+}
+
+std::optional<double> idle_processors(double seconds) {
+  const std::string before = text_of("/proc/stat");
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  return idle_between(before, text_of("/proc/stat"), allowed_cpus());
+}
+
+std::optional<double> idle_between(const std::string& before, const std::string& after,
+                                   const std::vector<int>& cpus) {
+  double idle = 0;
+  for (const int cpu : cpus) {
+    const auto a = ticks_of(before, cpu), b = ticks_of(after, cpu);
+    if (!a || !b || b->all <= a->all) return std::nullopt;
+    idle += (b->idle - a->idle) / (b->all - a->all);
+  }
+  return cpus.empty() ? std::nullopt : std::optional(idle);
+}
+
+int count_cores(const std::vector<int>& cpus, const std::string& folder) {
+  std::set<std::string> cores;
+  for (const int cpu : cpus) {
+    const std::string name = "cpu" + std::to_string(cpu);
+    std::ifstream in(folder + "/" + name + "/topology/thread_siblings_list");
+    std::string siblings;
+    cores.insert(in >> siblings ? siblings : name);
+  }
+  return static_cast<int>(cores.size());
+}
+
+int quota_of_group(const std::string& root, const std::string& path) {
+  int least = 0;
+  for (std::string group = path;; group.resize(group.rfind('/'))) {
+    const int quota = quota_in(root + group + "/cpu.max");
+    if (quota > 0 && (least == 0 || quota < least)) least = quota;
+    if (group.find('/') == std::string::npos) return least;
+  }
+}
+
+}  // namespace gabion

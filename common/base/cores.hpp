@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gabion {
+
+/// Cores that this process may use: those of its affinity mask, hardware threads of one core
+/// counted once, and no more than the quota of its control group (version 2). At least 1.
+int usable_cores();
+
+/// Processors of the affinity mask that nobody uses, measured over so many seconds: a sum of
+/// shares. None where the system does not say.
+std::optional<double> idle_processors(double seconds);
+
+/// The same between two texts of /proc/stat.
+/// @param cpus  numbers of the system
+std::optional<double> idle_between(const std::string& before, const std::string& after,
+                                   const std::vector<int>& cpus);
+
+/// Number of cores that these processors are threads of.
+/// @param cpus    numbers of the system
+/// @param folder  with cpuN/topology, as /sys/devices/system/cpu; a processor without counts as one
+int count_cores(const std::vector<int>& cpus, const std::string& folder);
+
+/// The least quota of a control group and those above it, in whole processors; 0: none is set.
+/// @param root  of the groups, as /sys/fs/cgroup
+/// @param path  of the group below it, such as "/user.slice/a.scope"
+int quota_of_group(const std::string& root, const std::string& path);
+
+}  // namespace gabion

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/ranks/rank_advice.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mpm_solver/checks/seepage.hpp"
+#include "mpm_solver/contact/side_fields.hpp"
+#include "mpm_solver/contact/start_check.hpp"
+#include "mpm_solver/contact/thin_pairs.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// A rank with fewer points was not measured to pay.
+constexpr std::int64_t points_of_a_rank = 10000;
+
+template <int dim>
+std::int64_t num_points(const MpmSettings<dim>& settings) {
+  std::int64_t sum = 0;
+  for (const PointLayout<dim>& layout : settings.layouts) sum += mpm::num_points(layout);
+  return sum;
+}
+
+template <int dim>
+bool doubles_nodes(const MpmSettings<dim>& settings) {
+  if (!can_double_nodes(settings.grid)) return false;
+  const auto surfaces = surfaces_at_start(settings.interfaces, settings.rigid_walls);
+  const Faces<dim> faces(surfaces);
+  return std::ranges::any_of(
+      thin_pairs(faces, mean_cell_size(settings.grid)),
+      [&](const FacePair& pair) { return faces.can_have_fields(pair, surfaces); });
+}
+
+}  // namespace
+
+template <int dim>
+std::string needs_one_rank(const MpmSettings<dim>& settings) {
+  const bool water_drains =
+      std::ranges::any_of(settings.bodies, [](const Body<dim>& body) { return drains(body); });
+  if (water_drains) return "pore water that drains";
+  return doubles_nodes(settings) ? "a thin wall whose sides have nodes of their own" : "";
+}
+
+template <int dim>
+RankAdvice advise_ranks(const MpmSettings<dim>& settings, int cores) {
+  const std::int64_t points = num_points(settings);
+  const std::string what = fmt::format("{} points in {}", points, dim == 2 ? "the plane" : "space");
+  const std::int64_t ranks = std::min<std::int64_t>(cores, points / points_of_a_rank);
+  if (dim == 2) return {1, what + ": several ranks are not advised in the plane"};
+  if (cores < 2) return {1, "one core"};
+  if (ranks < 2) {
+    return {1, fmt::format("{}, fewer than {} for two ranks", what, 2 * points_of_a_rank)};
+  }
+  const std::string& method = settings.linear_solver.method;
+  if (method == "lu" || method == "mumps") return {1, "the linear solver " + method};
+  if (const std::string need = needs_one_rank(settings); !need.empty()) {
+    return {1, need + " needs one rank"};
+  }
+  return {static_cast<int>(ranks), fmt::format("{}, {} cores", what, cores)};
+}
+
+template std::string needs_one_rank<2>(const MpmSettings<2>&);
+template std::string needs_one_rank<3>(const MpmSettings<3>&);
+template RankAdvice advise_ranks<2>(const MpmSettings<2>&, int);
+template RankAdvice advise_ranks<3>(const MpmSettings<3>&, int);
+
+}  // namespace gabion::mpm
