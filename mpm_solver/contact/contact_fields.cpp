@@ -25,15 +25,16 @@ constexpr double rounding = 1e-9;
 // In 3D the square of a mark is cut into this many parts along each side.
 constexpr int parts = 4;
 
-/// The facets of a surface where they are, to be found by place.
+/// The facets of a surface where they are, to be found from some places.
 template <int dim>
 struct PlacedSurface {
-  PlacedSurface(const ContactSurface<dim>& surface, std::span<const Vector<dim>> at, double margin)
+  PlacedSurface(const ContactSurface<dim>& surface, std::span<const Vector<dim>> at, double margin,
+                std::span<const Vector<dim>> places)
       : vertices(at),
         cut(simplices(surface)),
         bounds(bounds_of<dim>(cut, at)),
         cuts_per_facet(surface.facet_type == CellType::quad4 ? 2 : 1),
-        hash(cut, at, margin) {}
+        hash(cut, at, margin, places) {}
 
   std::array<Vector<dim>, dim> corners(std::int32_t s) const {
     return corners_of<dim>(cut[s], vertices);
@@ -175,9 +176,13 @@ template <int dim>
 void spread_marks(const ContactSurface<dim>& surface, std::span<const ContactMark<dim>> marks,
                   ContactFields<dim>& fields) {
   double widest = 0;
-  for (const auto& mark : marks) widest = std::max(widest, width_of(mark.area, dim));
+  std::vector<Vector<dim>> places;
+  for (const auto& mark : marks) {
+    widest = std::max(widest, width_of(mark.area, dim));
+    places.push_back(mark.x);
+  }
   if (!(widest > 0)) return;
-  const PlacedSurface<dim> placed(surface, fields.vertices, widest);
+  const PlacedSurface<dim> placed(surface, fields.vertices, widest, places);
   std::vector<FacetShare> shares;
   for (const ContactMark<dim>& mark : marks) {
     shares.clear();
@@ -200,7 +205,7 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
     widest = std::max(widest, points.V0[p] * points.J[p]);
   }
   const double farthest = reach + cube_side<dim>(widest);
-  const PlacedSurface<dim> placed(surface, fields.vertices, farthest);
+  const PlacedSurface<dim> placed(surface, fields.vertices, farthest, points.x);
   for (std::int32_t p = 0; p < points.size(); ++p) {
     const Vector<dim>& x = points.x[p];
     std::optional<ContactSphere<dim>> sphere;

@@ -144,8 +144,10 @@ typename FacetLattice<dim>::Cube FacetLattice<dim>::make(const LatticeSurface<di
   const double around = sizes_.reach + sizes_.slack;
   const double in_bins = around + sizes_.slack;  // bins know where the simplices were
   gather({(low.array() - in_bins).matrix(), (high.array() + in_bins).matrix()}, found_);
+  const double corner = 0.5 * (high - low).norm();
   std::erase_if(found_, [&](std::int32_t s) {
     const SimplexBounds<dim>& bounds = surface.bounds[s - surface.first];
+    if (bounds.is_beyond(middle, around + corner)) return true;
     const Vector<dim> outside = bounds.centre - bounds.centre.cwiseMax(low).cwiseMin(high);
     const double limit = bounds.radius + around;
     if (outside.squaredNorm() > limit * limit) return true;

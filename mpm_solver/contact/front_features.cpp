@@ -27,6 +27,12 @@ class Front {
  public:
   Front(const FrontView<dim>& view, const Way<dim>& way) : view_(view), way_(way) {}
 
+  // Whether a simplex of the list surely is farther from the end of the way.
+  bool is_beyond(const FacingSimplex& facing, double distance) const {
+    return facing.distance - view_.nearer > (1 + rounding) * distance ||
+           is_beyond(facing.simplex, way_.to, distance);
+  }
+
   const FacingSurface<dim>& surface() const { return view_.surface; }
 
   // Whether at the end of the step a simplex surely is farther from a place.
@@ -50,7 +56,6 @@ class Front {
     return simplex_normal<dim>(corners_of<dim>(surface().simplices[s], surface().end));
   }
 
-  std::span<const std::int32_t> near() const { return view_.near; }
   std::int32_t neighbour(std::int32_t s, int k) const { return view_.neighbours[s][k]; }
   const Way<dim>& way() const { return way_; }
 
@@ -89,7 +94,8 @@ Answer bends_inwards(const Front<dim>& front, const Sight<dim>& sight, int k, do
   const SimplexSide<dim> side = side_of<dim>(surface, sight, k);
   if (!side.on_rim) return Answer::no;
   if ((front.way().to - side.x).norm() + surface.seam > farthest) return Answer::unknown;
-  const bool found = std::any_of(front.near().begin(), front.near().end(), [&](std::int32_t s) {
+  const bool found = std::ranges::any_of(surface.facing, [&](const FacingSimplex& other) {
+    const std::int32_t s = other.simplex;
     return !front.is_beyond(s, side.x, surface.seam) && meets_at<dim>(surface, sight, side, s) &&
            bends(s);
   });
@@ -114,10 +120,10 @@ template <int dim>
 void move_to_nearest(const Front<dim>& front, double within, SurfaceFeature<dim>& foot) {
   const FacingSurface<dim>& surface = front.surface();
   double nearest = std::numeric_limits<double>::infinity();
-  FacingSimplex facing;
   const Vector<dim> place_of_foot = foot.x;
-  for (const std::int32_t s : front.near()) {
-    if (front.is_beyond(s, place_of_foot, within) || !front.faces(s, facing)) continue;
+  for (const FacingSimplex& facing : surface.facing) {
+    const std::int32_t s = facing.simplex;
+    if (front.is_beyond(s, place_of_foot, within)) continue;
     const auto corners = corners_of<dim>(surface.simplices[s], surface.end);
     const auto place = closest_place<dim>(corners, place_of_foot);
     const double distance = (place.x - place_of_foot).squaredNorm();
@@ -153,6 +159,21 @@ double front_reach(const FacingSurface<dim>& surface, const FeatureReach& reach,
 }
 
 template <int dim>
+void faced_near(const FrontView<dim>& view, const Vector<dim>& x, const NearPlace<dim>& near,
+                std::vector<FacingSimplex>& list) {
+  list.clear();
+  const Way<dim> way{x, x};
+  const Front<dim> front(view, way);
+  FacingSimplex facing;
+  for (const std::int32_t s : near.simplices) {
+    const SimplexBounds<dim>& bounds = view.bounds[s];
+    if (bounds.is_beyond(near.place, near.distance) || !front.faces(s, facing)) continue;
+    facing.distance = (near.place - bounds.centre).norm() - bounds.radius;
+    list.push_back(facing);
+  }
+}
+
+template <int dim>
 bool features_in_front(const FrontView<dim>& view, const Vector<dim>& x, const Vector<dim>& y,
                        const FeatureReach& reach, std::vector<SurfaceFeature<dim>>& features) {
   features.clear();
@@ -164,10 +185,9 @@ bool features_in_front(const FrontView<dim>& view, const Vector<dim>& x, const V
   const Front<dim> front(view, way);
   thread_local std::vector<Sight<dim>> sights;
   sights.clear();
-  FacingSimplex facing;
-  for (const std::int32_t s : view.near) {
-    if (front.is_beyond(s, y, farthest) || !front.faces(s, facing)) continue;
-    sights.push_back(sight_of<dim>(surface, facing, way, front.normal(s)));
+  for (const FacingSimplex& facing : surface.facing) {
+    if (front.is_beyond(facing, farthest)) continue;
+    sights.push_back(sight_of<dim>(surface, facing, way, front.normal(facing.simplex)));
   }
   if (!is_in_front<dim>(sights, !view.touched.empty(), farthest)) return false;
   for (const Sight<dim>& sight : sights) {
@@ -187,6 +207,10 @@ bool features_in_front(const FrontView<dim>& view, const Vector<dim>& x, const V
   return true;
 }
 
+template void faced_near<2>(const FrontView<2>&, const Vector<2>&, const NearPlace<2>&,
+                            std::vector<FacingSimplex>&);
+template void faced_near<3>(const FrontView<3>&, const Vector<3>&, const NearPlace<3>&,
+                            std::vector<FacingSimplex>&);
 template double front_reach<2>(const FacingSurface<2>&, const FeatureReach&, double);
 template double front_reach<3>(const FacingSurface<3>&, const FeatureReach&, double);
 template bool features_in_front<2>(const FrontView<2>&, const Vector<2>&, const Vector<2>&,

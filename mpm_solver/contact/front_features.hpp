@@ -23,23 +23,36 @@ struct KnownTouch {
 /// is a simplex that it is in front of.
 template <int dim>
 struct FrontView {
-  const FacingSurface<dim>& surface;           ///< `facing` is not used
+  const FacingSurface<dim>& surface;           ///< `facing`: see front_reach, faced_near
   std::span<const SimplexBounds<dim>> bounds;  ///< at the start of the step
   std::span<const Neighbours<dim>> neighbours;
-  std::span<const char> at_rest;       ///< of each owner: 1 if it is in this step
-  std::span<const std::int32_t> near;  ///< simplices, ascending, see front_reach
+  std::span<const char> at_rest;  ///< of each owner: 1 if it is in this step
   std::span<const KnownTouch<dim>> touched;
+  double nearer = 0;  ///< at the end of its way the point is nearer to what it faces by this [m]
   double around = 0;  ///< look at simplices as far as this, if that is farther than needed [m]
   double margin = 0;  ///< simplices that are farther at the start do not count [m]
 };
 
-/// Radius around the end of its displacement path within which `near` has to have all simplices
+/// The simplices near a place when the step begins.
+template <int dim>
+struct NearPlace {
+  Vector<dim> place = Vector<dim>::Zero();
+  double distance = 0;                      ///< [m]
+  std::span<const std::int32_t> simplices;  ///< ascending: all within that distance, and others
+};
+
+/// Those near a place that a point at x faces when the step begins.
+/// @param[out] list  by ascending simplex; distance: of the place, or less
+template <int dim>
+void faced_near(const FrontView<dim>& view, const Vector<dim>& x, const NearPlace<dim>& near,
+                std::vector<FacingSimplex>& list);
+
+/// Radius around the end of its displacement path within which `facing` has to have all simplices
 /// [m], unless `around` is more.
 template <int dim>
 double front_reach(const FacingSurface<dim>& surface, const FeatureReach& reach, double way);
 
-/// The features of find_features, the same to the bit, from fewer simplices: all those of `near`
-/// face the point that have it in front, or that have a normal that it touched.
+/// The features of find_features, the same to the bit, from fewer simplices.
 /// @param features  cleared first
 /// @returns false: the point may have come behind the surface, or what it touched is farther away
 ///          than it looks; find_features has to tell

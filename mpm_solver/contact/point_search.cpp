@@ -22,6 +22,10 @@ constexpr double seam_share = 1e-3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+// How far away a group has to be for its clearance to tell that it touches nothing, in the way of
+// its points by their speed.
+constexpr double far_ways = 2;
+
 // What is nearer than a limit to within this share of it may be beyond it by rounding.
 constexpr double rounding = 1e-9;
 
@@ -67,6 +71,7 @@ void PointSearch<dim>::end_step() {
   grad_N_.clear();
   nodes_.clear();
   facing_.clear();
+  around_.clear();
   du_.clear();
 }
 
@@ -102,16 +107,21 @@ template <int dim>
 void PointSearch<dim>::add_group(std::int32_t group, std::int32_t first) {
   const auto last = static_cast<std::int32_t>(watched_.size());
   if (last == first) return;
-  WatchedGroup result{.group = group, .first = first, .last = last};
+  WatchedGroup result{.group = group, .first = first, .last = last, .clearance = infinity};
+  double fastest = 0;
   Vector<dim> low = Vector<dim>::Constant(infinity), high = -low;
   for (std::int32_t k = first; k < last; ++k) {
     const Watched& point = watched_[k];
     low = low.cwiseMin(point.x);
     high = high.cwiseMax(point.x);
     result.reach = std::max(result.reach, point.candidate < 0 ? point.reach : infinity);
+    result.clearance = std::min(result.clearance, point.clearance);
+    fastest = std::max(fastest, soil_->points.v[soil_->weights.point[point.entry]].norm());
   }
-  if (result.reach < infinity) {
-    result.clearance = surface_.search().far_at_least(0.5 * (low + high), 0.5 * (high - low));
+  const bool is_far = result.reach < infinity && result.clearance >= surface_.search().reach();
+  if (is_far && result.clearance < result.reach + far_ways * soil_->dt * fastest) {
+    const Vector<dim> middle = 0.5 * (low + high), half = 0.5 * (high - low);
+    result.clearance = std::max(result.clearance, surface_.search().far_at_least(middle, half));
   }
   watched_groups_.push_back(result);
 }
@@ -130,6 +140,7 @@ typename PointSearch<dim>::Watched PointSearch<dim>::watched(std::int32_t entry)
     offset = point.offset->norm();
   }
   point.reach = soil.points.depth[p] * std::sqrt(double{dim}) + offset;
+  point.clearance = surface_.search().at_least(point.x, Vector<dim>::Zero());
   return point;
 }
 

@@ -41,9 +41,16 @@ struct ContactCandidate {
   double distance = 0;       ///< to the nearest facet at the start, 0 behind one [m]
   std::int32_t first_value = 0, num_values = 0;   ///< of the basis functions
   std::int32_t first_facing = 0, num_facing = 0;  ///< of what it faces
-  Vector<dim> motion = Vector<dim>::Zero();       ///< in the step [m]
-  Matrix<dim> H = Matrix<dim>::Zero();            ///< its gradient
-  std::optional<SurfaceValues<dim>> surface;      ///< none: functions are continued
+  /// What it faces around a place, complete up to a distance [m]; 0: it is not listed.
+  struct Around {
+    Vector<dim> place = Vector<dim>::Zero();
+    double within = 0;
+    std::int32_t first = 0, count = 0, room = 0;
+  };
+  Around around;
+  Vector<dim> motion = Vector<dim>::Zero();   ///< in the step [m]
+  Matrix<dim> H = Matrix<dim>::Zero();        ///< its gradient
+  std::optional<SurfaceValues<dim>> surface;  ///< none: functions are continued
   const RememberedContacts<dim>* memory = nullptr;
 
   double radius(const Vector<dim>& n) const { return (shape * n).norm(); }
@@ -120,6 +127,7 @@ class PointSearch {
     std::int32_t candidate = -1;          // it is this one; -1: it never came near as yet
     Vector<dim> x = Vector<dim>::Zero();  // of the sphere
     double reach = 0;                     // of the sphere and its offset [m]
+    double clearance = 0;                 // no simplex is nearer when the step begins [m]
     const RememberedContacts<dim>* memory = nullptr;
     const Vector<dim>* offset = nullptr;
   };
@@ -181,7 +189,8 @@ class PointSearch {
   bool stays_away(const WatchedGroup& watched, const NodalBox& box) const;
   void find_of(Candidate& c, std::span<const double> du);
   Place place_of(Candidate& c);
-  bool look_in_front(const Candidate& c, const FeatureReach& reach, double around);
+  bool look_in_front(Candidate& c, const FeatureReach& reach, double around);
+  double list_around(Candidate& c, const FrontView<dim>& view, double needed);
   void find_features_of(Candidate& c, double reach);
   double reach_of(const Candidate& c) const;
   double touch_reach(const Candidate& c) const;
@@ -200,11 +209,13 @@ class PointSearch {
   std::vector<Vector<dim>> grad_N_;
   std::vector<std::int32_t> nodes_;  // active ones
   std::vector<FacingSimplex> facing_;
+  std::vector<FacingSimplex> around_;  // of the candidates
   std::vector<double> du_;
   std::vector<char> at_rest_;  // of each member, in the step
   std::vector<SurfaceFeature<dim>> features_;
   std::vector<KnownTouch<dim>> known_;  // room for what a point touched
   std::vector<std::int32_t> near_;      // room for a list
+  std::vector<FacingSimplex> faced_;    // room for a list
 };
 
 }  // namespace gabion::mpm

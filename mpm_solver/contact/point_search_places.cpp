@@ -14,6 +14,10 @@ namespace {
 // What is nearer than a limit to within this share of it may be beyond it by rounding.
 constexpr double rounding = 1e-9;
 
+// What a candidate faces is listed beyond what is needed by this share of that and of the way that
+// is still ahead of it in the step.
+constexpr double listed_ahead = 0.1;
+
 // Sum of |grad N_i| of a point, or more.
 template <int dim>
 double sum_of_gradients(const SoilSurface<dim>& soil, const CellGroup& group, std::int32_t entry) {
@@ -104,12 +108,13 @@ bool PointSearch<dim>::stays_away(const Watched& point, const CellGroup& group,
   const double spread = box.half.norm();
   const double way = box.middle.norm() + spread + surface_.motion();
   const double behind = surface_.motion() > 0 ? 2 * way : way;
-  const double nearest =
-      surface_.search().at_least(point.x + box.middle, box.half) - surface_.motion();
-  if (!(nearest > (1 + rounding) * std::max(point.reach + 2 * spread, behind))) return false;
   const double strained =
       spread * sum_of_gradients(*soil_, group, point.entry) * point.reach;  // |H| |shape|
-  return nearest > (1 + rounding) * (point.reach + strained);
+  const double least =
+      (1 + rounding) * std::max({point.reach + 2 * spread, behind, point.reach + strained});
+  if (point.clearance - way > least) return true;
+  const auto& search = surface_.search();
+  return search.at_least(point.x + box.middle, box.half) - surface_.motion() > least;
 }
 
 // The same of all points of a group.
@@ -207,24 +212,52 @@ typename PointSearch<dim>::Place PointSearch<dim>::place_of(Candidate& c) {
   return known && height > 0 ? Place::front : Place::other;
 }
 
+// What the candidate faces around the end of its way, listed for the step; made anew where its way
+// leads farther.
+// @param needed  all that is as near to the end of the way has to be listed [m]
+// @returns see FrontView::nearer
+template <int dim>
+double PointSearch<dim>::list_around(Candidate& c, const FrontView<dim>& view, double needed) {
+  auto& around = c.around;
+  const Vector<dim> y = c.x + c.motion;
+  const double nearer = (y - around.place).norm() + surface_.motion();
+  if (needed + nearer <= around.within) return nearer;
+  const double ahead = c.motion.norm() * (1 / surface_.share() - 1);
+  const double required = (1 + rounding) * (needed + surface_.motion());
+  const double wanted = required + ahead + listed_ahead * (ahead + needed);
+  around.place = y;
+  around.within = std::max(required, std::min(wanted, surface_.search().reach()));
+  const auto near = surface_.search().near(y, around.within, near_);
+  faced_near<dim>(view, c.x, {y, around.within, near}, faced_);
+  around.count = static_cast<std::int32_t>(faced_.size());
+  if (around.count > around.room) {
+    around.first = static_cast<std::int32_t>(around_.size());
+    around.room = around.count;
+    around_.resize(around_.size() + faced_.size());
+  }
+  std::ranges::copy(faced_, around_.begin() + around.first);
+  return surface_.motion();
+}
+
 // @param around  see FrontView
 template <int dim>
-bool PointSearch<dim>::look_in_front(const Candidate& c, const FeatureReach& reach, double around) {
-  const auto surface = view_of(c);
+bool PointSearch<dim>::look_in_front(Candidate& c, const FeatureReach& reach, double around) {
+  auto surface = view_of(c);
   const Vector<dim> y = c.x + c.motion;
   const double needed = std::max(around, front_reach<dim>(surface, reach, c.motion.norm()));
   known_.clear();
   if (c.memory) {
     for (const auto& contact : *c.memory) known_.push_back({contact.owner, contact.normal});
   }
-  const FrontView<dim> view{.surface = surface,
-                            .bounds = surface_.search().bounds(),
-                            .neighbours = surface_.neighbours(),
-                            .at_rest = at_rest_,
-                            .near = surface_.search().near(y, needed + surface_.motion(), near_),
-                            .touched = known_,
-                            .around = around,
-                            .margin = c.margin};
+  FrontView<dim> view{.surface = surface,
+                      .bounds = surface_.search().bounds(),
+                      .neighbours = surface_.neighbours(),
+                      .at_rest = at_rest_,
+                      .touched = known_,
+                      .around = around,
+                      .margin = c.margin};
+  view.nearer = list_around(c, view, needed);
+  surface.facing = std::span(around_).subspan(c.around.first, c.around.count);
   return features_in_front<dim>(view, c.x, y, reach, features_);
 }
 

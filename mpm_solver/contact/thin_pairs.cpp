@@ -16,6 +16,40 @@ constexpr double thin_cells = 2;
 // Faces of a wall look away from each other to within 25 degrees, along the way through it.
 constexpr double opposite_cosine = 0.9;
 
+/// A box around the normals of some faces.
+template <int dim>
+struct NormalBox {
+  Vector<dim> low = Vector<dim>::Constant(1), high = Vector<dim>::Constant(-1);
+
+  void add(const Vector<dim>& normal) {
+    const bool known = normal.allFinite();
+    low = low.cwiseMin(known ? normal : Vector<dim>::Constant(-1));
+    high = high.cwiseMax(known ? normal : Vector<dim>::Constant(1));
+  }
+  // Whether a normal in the box may look away from this one.
+  bool may_oppose(const Vector<dim>& normal) const {
+    const double least = low.cwiseProduct(normal).cwiseMin(high.cwiseProduct(normal)).sum();
+    return !(least > 1e-9 - opposite_cosine);
+  }
+};
+
+// The faces that may have one that looks away from them: on a slope there is none.
+template <int dim>
+std::vector<std::int32_t> possible_fronts(const Faces<dim>& faces) {
+  std::vector<NormalBox<dim>> boxes(faces.num_simplices.size());
+  for (std::int32_t s = 0; s < std::ssize(faces.simplices); ++s) {
+    boxes[faces.surface[s]].add(faces.bounds[s].normal);
+  }
+  std::vector<std::int32_t> fronts;
+  for (std::int32_t s = 0; s < std::ssize(faces.simplices); ++s) {
+    const Vector<dim>& normal = faces.bounds[s].normal;
+    if (std::ranges::any_of(boxes, [&](const auto& box) { return box.may_oppose(normal); })) {
+      fronts.push_back(s);
+    }
+  }
+  return fronts;
+}
+
 }  // namespace
 
 template <int dim>
@@ -48,9 +82,12 @@ bool Faces<dim>::can_have_fields(const FacePair& pair,
 template <int dim>
 std::vector<FacePair> thin_pairs(const Faces<dim>& faces, double cell_size) {
   const double limit = thin_cells * cell_size;
-  const FacetHash<dim> hash(faces.simplices, faces.vertices, limit);
+  const auto fronts = possible_fronts(faces);
+  std::vector<Vector<dim>> places;
+  for (const std::int32_t s : fronts) places.push_back(faces.bounds[s].centre);
+  const FacetHash<dim> hash(faces.simplices, faces.vertices, limit, places);
   std::vector<FacePair> pairs;
-  for (std::int32_t s = 0; s < std::ssize(faces.simplices); ++s) {
+  for (const std::int32_t s : fronts) {
     const SimplexBounds<dim>& front = faces.bounds[s];
     for (const std::int32_t t : hash.near(front.centre)) {
       const SimplexBounds<dim>& back = faces.bounds[t];

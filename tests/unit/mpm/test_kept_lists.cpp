@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -10,6 +11,7 @@
 #include "mpm_solver/contact/contact.hpp"
 #include "mpm_solver/contact/facet_search.hpp"
 #include "mpm_solver/contact/front_features.hpp"
+#include "mpm_solver/contact/thin_pairs.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
 namespace gabion::test {
@@ -124,6 +126,63 @@ TEST(kept_lists, have_facets_of_kilometres) {
   check_lists<3>(true);
 }
 
+/// Rough ground, the same from below a little lower, and a facet that stands upright on it.
+template <int dim>
+std::vector<ContactSettings<dim>> slab_and_wall(double roughness, Random& random) {
+  std::vector<ContactSettings<dim>> pieces(3);
+  pieces[0].surface = ground<dim>(dim == 2 ? 12 : 8, 0.3, roughness, random);
+  pieces[1].surface = pieces[0].surface;
+  for (auto& x : pieces[1].surface.vertices) x[dim - 1] -= 0.1;
+  auto& facets = pieces[1].surface.facets;
+  for (std::size_t k = 0; k < facets.size(); k += dim) std::swap(facets[k], facets[k + 1]);
+  auto& wall = pieces[2].surface;
+  wall.facet_type = pieces[0].surface.facet_type;
+  for (int k = 0; k < dim; ++k) {
+    wall.vertices.push_back(Vector<dim>::Constant(0.3) + 0.4 * Vector<dim>::Unit((k + 1) % dim));
+    wall.facets.push_back(k);
+  }
+  return pieces;
+}
+
+// Faces whose normals tell that none looks away from them are passed over: pairs are those of all
+// faces with each other.
+template <int dim>
+void check_pairs(double roughness, std::size_t num_pieces) {
+  Random random;
+  const auto pieces = slab_and_wall<dim>(roughness, random);
+  std::vector<mpm::StartSurface<dim>> surfaces;
+  for (std::size_t k = 0; k < num_pieces; ++k) {
+    surfaces.push_back({pieces[k], pieces[k].surface.vertices, true});
+  }
+  const mpm::Faces<dim> faces(surfaces);
+  const double cell = 0.1;
+  std::vector<std::array<std::int32_t, 2>> expected, found;
+  for (std::int32_t s = 0; s < std::ssize(faces.simplices); ++s) {
+    for (std::int32_t t = 0; t < std::ssize(faces.simplices); ++t) {
+      const auto& front = faces.bounds[static_cast<std::size_t>(s)];
+      if (front.normal.dot(faces.bounds[static_cast<std::size_t>(t)].normal) > -0.9) continue;
+      const Vector<dim> through = front.centre - faces.closest(t, front.centre);
+      if (through.dot(front.normal) < 0.9 * through.norm()) continue;
+      if (through.norm() < (1 - 1e-6) * 2 * cell) expected.push_back({s, t});
+    }
+  }
+  for (const auto& pair : mpm::thin_pairs<dim>(faces, cell)) {
+    found.push_back({pair.front, pair.back});
+  }
+  std::ranges::sort(found);
+  EXPECT_EQ(found, expected);
+  EXPECT_EQ(found.empty(), num_pieces == 1);
+}
+
+TEST(kept_lists, pairs_of_faces_are_those_of_all) {
+  for (const double roughness : {0.0, 0.01, 0.04}) {
+    for (const std::size_t num_pieces : {1, 2, 3}) {
+      check_pairs<2>(roughness, num_pieces);
+      check_pairs<3>(roughness, num_pieces);
+    }
+  }
+}
+
 /// Ground that moves by a random displacement of this size [m].
 template <int dim>
 struct Ground {
@@ -215,23 +274,30 @@ void check_features(double roughness, double moved) {
   for (int k = 0; k < 3000; ++k) {
     const Going<dim> point(ground, random);
     if (!point.in_front) continue;
-    const auto surface = ground.faced(point.facing);
+    const auto all = ground.faced(point.facing);
     const mpm::FeatureReach reach{0.1 + 0.02 * random(), 0.06};
     const double way = (point.y - point.x).norm();
-    const double within = mpm::front_reach<dim>(surface, reach, way) + ground.motion;
+    // Listed around a place that the point was at before.
+    const Vector<dim> place = point.y + 0.02 * random() * random.vector<dim>();
+    const double nearer = (point.y - place).norm() + ground.motion;
+    const double within = mpm::front_reach<dim>(all, reach, way) + nearer;
     std::vector<std::int32_t> near;
     for (std::int32_t s = 0; s < std::ssize(ground.simplices); ++s) {
-      if (distance_to<dim>(ground.simplices, ground.start, s, point.y) <= within) near.push_back(s);
+      if (distance_to<dim>(ground.simplices, ground.start, s, place) <= within) near.push_back(s);
     }
+    auto surface = all;
     const mpm::FrontView<dim> view{.surface = surface,
                                    .bounds = ground.bounds,
                                    .neighbours = ground.neighbours,
                                    .at_rest = ground.at_rest,
-                                   .near = near,
                                    .touched = point.known,
+                                   .nearer = nearer,
                                    .margin = 10};
+    std::vector<mpm::FacingSimplex> list;
+    mpm::faced_near<dim>(view, point.x, {place, within, near}, list);
+    surface.facing = list;
     std::vector<SurfaceFeature<dim>> expected, got;
-    mpm::find_features<dim>(surface, point.x, point.y, reach, expected);
+    mpm::find_features<dim>(all, point.x, point.y, reach, expected);
     if (!mpm::features_in_front<dim>(view, point.x, point.y, reach, got)) continue;
     ++told;
     found += got.size();
@@ -325,6 +391,29 @@ class Falling {
   std::unique_ptr<mpm::Contact<dim>> contact_;
 };
 
+/// How far plate and soil go in a step [m].
+template <int dim>
+struct Way {
+  double plate;
+  Vector<dim> move;
+};
+
+// Lists of a step that were made at other places, for soil that was farther or that outran them,
+// give the same forces.
+template <int dim>
+void check_order(Falling<dim>& scene, const State& state, const std::vector<double>& first,
+                 const Way<dim>& way) {
+  const auto other = scene.fresh();
+  StateReader reader(state);
+  other->visit_state(reader, "contact.");
+  scene.begin(*other);
+  for (const double share : {4.0, 9.0}) {
+    EXPECT_EQ(scene.forces(*other, way.plate, share * way.move),
+              scene.forces(scene.contact(), way.plate, share * way.move));
+    EXPECT_EQ(scene.forces(*other, way.plate, 0.5 * way.move), first);
+  }
+}
+
 // A contact that keeps what it found, through steps in which points and a plate move, against one
 // that is made anew from its state at the start of each step.
 template <int dim>
@@ -345,6 +434,7 @@ void check_steps(mpm::Basis basis, bool elastic) {
     move[dim - 1] = (step / 4 % 2 == 0 ? -0.007 : 0.007);
     const double plate = 0.004 * step;
     const auto first = scene.forces(scene.contact(), plate, 0.5 * move);
+    check_order(scene, state, first, {plate, move});
     EXPECT_EQ(first, scene.forces(*anew, plate, 0.5 * move)) << "step " << step;
     const auto second = scene.forces(scene.contact(), 1.1 * plate, move);
     EXPECT_EQ(second, scene.forces(*anew, 1.1 * plate, move)) << "step " << step;
