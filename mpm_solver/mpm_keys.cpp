@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "mpm_solver/boulders/boulder_config.hpp"
+#include "mpm_solver/boulders/random_boulder_config.hpp"
 #include "mpm_solver/contact/contact_keys.hpp"
 #include "mpm_solver/gauges/gauge_config.hpp"
 #include "mpm_solver/mpm_config.hpp"
@@ -138,6 +139,8 @@ std::vector<Key> surface_and_solver_keys() {
   return {key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
           key::objects("rigid_walls", rigid_wall_keys(), "Surfaces that move as given.").or_empty(),
           key::objects("boulders", boulder_keys(), "Rigid bodies that move freely.").or_empty(),
+          key::objects("random_boulders", random_boulder_keys(), "Many of them at random places.")
+              .or_empty(),
           key::objects("probes", probe_keys(), "Reported places.").or_empty(),
           key::objects("gauges", gauge_keys(), "Pieces of planes through which soil is watched.")
               .or_empty(),
