@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "mpm_solver/boulders/boulder_config.hpp"
+#include "mpm_solver/boulders/random_boulder_config.hpp"
 #include "mpm_solver/contact/contact_keys.hpp"
 #include "mpm_solver/gauges/gauge_config.hpp"
 #include "mpm_solver/mpm_config.hpp"
@@ -62,24 +63,24 @@ KeyTable locking_keys() {
 
 KeyTable small_cut_keys() {
   const SmallCutSettings defaults;
-  return {
-      "small_cuts",
-      "What is done about cells and nodes that hold little soil.",
-      {key::choice("method", {"auto", "none", "ghost", "mass_cutoff"},
-                   "`auto`: `ghost` in quasi-static phases with `linear` or `gimp`, else `none`; "
-                   "another word holds for all phases, `ghost` not with `bspline`. With all but a "
-                   "named `none`, on triangles and tetrahedra with soil that yields, nodes behind a "
-                   "surface that cuts their cells join one before it where little soil holds them.")
-           .or_else("auto"),
-       key::number("ghost_factor", "", "Ghost stiffness over Young's modulus.")
-           .in(positive())
-           .or_else(defaults.ghost_factor)
-           .only("where a phase has `ghost`"),
-       key::number("mass_share", "",
-                   "Share of the mass of its points below which a node joins another.")
-           .in({.low = 0, .high = 0.01, .low_open = true, .allowed = "a number in (0, 0.01]"})
-           .or_else(defaults.mass_share)
-           .only("where a phase is quasi-static or has `mass_cutoff`")}};
+  return {"small_cuts",
+          "What is done about cells and nodes that hold little soil.",
+          {key::choice(
+               "method", {"auto", "none", "ghost", "mass_cutoff"},
+               "`auto`: `ghost` in quasi-static phases with `linear` or `gimp`, else `none`; "
+               "another word holds for all phases, `ghost` not with `bspline`. With all but a "
+               "named `none`, on triangles and tetrahedra with soil that yields, nodes behind a "
+               "surface that cuts their cells join one before it where little soil holds them.")
+               .or_else("auto"),
+           key::number("ghost_factor", "", "Ghost stiffness over Young's modulus.")
+               .in(positive())
+               .or_else(defaults.ghost_factor)
+               .only("where a phase has `ghost`"),
+           key::number("mass_share", "",
+                       "Share of the mass of its points below which a node joins another.")
+               .in({.low = 0, .high = 0.01, .low_open = true, .allowed = "a number in (0, 0.01]"})
+               .or_else(defaults.mass_share)
+               .only("where a phase is quasi-static or has `mass_cutoff`")}};
 }
 
 KeyTable probe_keys() {
@@ -138,6 +139,8 @@ std::vector<Key> surface_and_solver_keys() {
   return {key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
           key::objects("rigid_walls", rigid_wall_keys(), "Surfaces that move as given.").or_empty(),
           key::objects("boulders", boulder_keys(), "Rigid bodies that move freely.").or_empty(),
+          key::objects("random_boulders", random_boulder_keys(), "Many of them at random places.")
+              .or_empty(),
           key::objects("probes", probe_keys(), "Reported places.").or_empty(),
           key::objects("gauges", gauge_keys(), "Pieces of planes through which soil is watched.")
               .or_empty(),

@@ -7,8 +7,11 @@
 #include <cmath>
 
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/mesh/triangle_surface.hpp"
+#include "mpm_solver/boulders/boulder_law_config.hpp"
 #include "mpm_solver/boulders/boulders.hpp"
+#include "mpm_solver/boulders/random_boulder_config.hpp"
 #include "mpm_solver/config_checks.hpp"
 
 namespace gabion::mpm {
@@ -17,10 +20,6 @@ namespace {
 
 // The least radius is in cells: points of the soil do not see what is smaller.
 constexpr double least_radius = 1.5, rounding = 1e-9;
-// The default stiffness stops a sphere of this speed within this share of its radius.
-constexpr double usual_speed = 10, usual_depth = 0.01;
-// Facets of rigid walls without a coefficient have this one too.
-constexpr double sticking = 100;
 // Places that touch overlap by rounding, here as a share of the radius.
 constexpr double allowed_overlap = 1e-6;
 
@@ -137,32 +136,23 @@ template <int dim>
 BoulderSettings<dim> read_boulder(const Scene& scene, ConfigReader& in) {
   BoulderSettings<dim> boulder;
   boulder.name = in.name("name");
-  const double density = in.number("density");
-  boulder.shape = read_shape<dim>(scene, in.object("shape"), density);
+  boulder.where = in.where("shape");
+  boulder.density = in.number("density");
+  boulder.shape = read_shape<dim>(scene, in.object("shape"), boulder.density);
   boulder.start = read_start<dim>(in);
-  boulder.law = {.friction = in.number("friction"),
-                 .restitution = in.number("restitution"),
-                 .rolling = in.number("rolling_resistance")};
-  if (boulder.shape.ball == 0 && boulder.law.rolling > 0) {
-    in.fail("rolling_resistance", "allowed only with a shape of a \"radius\"");
-  }
-  const BoulderShape<dim>& shape = boulder.shape;
-  boulder.law.stiffness =
-      in.number_or("stiffness", 1.5 * shape.mass.mass * usual_speed * usual_speed /
-                                    std::pow(usual_depth * shape.radius, 3));
-  boulder.free_from = in.number("free_from");
+  read_boulder_law(in, boulder);
+  boulder.law.stiffness = in.number_or("stiffness", usual_stiffness(boulder.shape));
   return boulder;
 }
 
 template <int dim>
-RigidWallSettings<dim> wall_of(const BoulderSettings<dim>& boulder, const ConfigReader& in,
-                               double friction) {
+RigidWallSettings<dim> wall_of(const BoulderSettings<dim>& boulder) {
   RigidWallSettings<dim> wall;
   wall.name = boulder.name;
   wall.is_boulder = true;
   wall.boundary.name = boulder.name;
-  wall.boundary.where = in.where("shape");
-  wall.boundary.friction = friction;
+  wall.boundary.where = boulder.where;
+  wall.boundary.friction = boulder.soil_friction;
   wall.boundary.method = FacetSettings{};
   wall.boundary.surface = boulder.shape.surface;
   for (Vector<dim>& X : wall.boundary.surface.vertices) {
@@ -175,13 +165,13 @@ RigidWallSettings<dim> wall_of(const BoulderSettings<dim>& boulder, const Config
 }
 
 template <int dim>
-void check_boulder(const ConfigReader& in, const BoulderSettings<dim>& boulder,
-                   const BoulderScene<dim>& settings) {
+void check_boulder(const ConfigReader& in, const std::string& size_key,
+                   const BoulderSettings<dim>& boulder, const BoulderScene<dim>& settings) {
   const double cell = mean_cell_size(settings.grid);
   if (0.5 * boulder.shape.thickness < (1 - rounding) * least_radius * cell) {
-    in.fail("shape", fmt::format("found a thickness of {:.4g} m, allowed in cells of {:.4g} m: at "
-                                 "least {:.4g} m, soil does not see what is smaller",
-                                 boulder.shape.thickness, cell, 2 * least_radius * cell));
+    in.fail(size_key, fmt::format("found a thickness of {:.4g} m, allowed in cells of {:.4g} m: at "
+                                  "least {:.4g} m, soil does not see what is smaller",
+                                  boulder.shape.thickness, cell, 2 * least_radius * cell));
   }
   for (const auto& wall : settings.rigid_walls) {
     if (wall.name == boulder.name)
@@ -204,16 +194,20 @@ void check_boulder(const ConfigReader& in, const BoulderSettings<dim>& boulder,
 }
 
 template <int dim>
-void check_overlaps(const ConfigReader& in, const BoulderScene<dim>& settings) {
+void check_overlaps(const ConfigReader& in, std::size_t num_given,
+                    const BoulderScene<dim>& settings) {
   const Boulders<dim> boulders(settings);
   const auto overlap = boulders.overlap_at_start();
   const auto& boulder = settings.boulders[overlap.body];
   if (overlap.depth <= allowed_overlap * boulder.shape.radius) return;
-  in.fail(fmt::format("boulders/{}/centre", overlap.body),
-          fmt::format("found \"{}\" inside \"{}\", by {:.4g} m at ({:.6g}, {:.6g}, {:.6g}), "
-                      "allowed: no overlap",
-                      boulder.name, boulders.name_of_partner(overlap.other), overlap.depth,
-                      overlap.place[0], overlap.place[1], overlap.place[2]));
+  const std::string text = fmt::format(
+      "found \"{}\" inside \"{}\", by {:.4g} m at ({:.6g}, {:.6g}, {:.6g}), allowed: "
+      "no overlap",
+      boulder.name, boulders.name_of_partner(overlap.other), overlap.depth, overlap.place[0],
+      overlap.place[1], overlap.place[2]);
+  const bool given = static_cast<std::size_t>(overlap.body) < num_given;
+  require<ConfigError>(given, "{}: {}", boulder.where, text);
+  in.fail(fmt::format("boulders/{}/centre", overlap.body), text);
 }
 
 // Places of contact are vertices: two edges that cross have none.
@@ -235,61 +229,51 @@ void warn_of_edges(const ConfigReader& in, const BoulderScene<dim>& settings) {
 }  // namespace
 
 KeyTable boulder_keys() {
-  return {
+  KeyTable table{
       "boulder",
       "A rigid body that soil and boulders, interfaces and rigid walls push; grid walls do not.",
       {key::plain_name("Its own; columns of the tables start with it."),
        key::object("shape", shape_keys(), "Shape of the body."),
-       key::number("density", "kg/m^3", "Density of the rock.").in(positive()),
        key::vector("centre", "m", "Place of the centre of mass at the start."),
        key::vector("orientation", "rad",
                    "In 2D [angle]; in 3D, without unit, the quaternion [w, x, y, z] that turns the "
                    "shape; none: it is not turned.")
            .wide(1, 4)
            .or_none(),
-       key::vector("velocity", "m/s", "At the start.").or_else(0),
        key::vector("spin", "rad/s", "At the start, along the axes of space, in 2D [w].")
            .wide(1, 3)
            .or_else(0),
-       key::number("friction", "", "Coulomb's coefficient on hard surfaces.")
-           .in(non_negative())
-           .or_else(0.5),
-       key::number("soil_friction", "", "Between soil and boulder; none: soil sticks.")
-           .in(non_negative())
-           .or_none(),
-       key::number("restitution", "",
-                   "Normal speed after an impact on what is hard over before it.")
-           .in(between(0, 1))
-           .or_else(0.4),
-       key::number("rolling_resistance", "",
-                   "Largest resisting moment over radius and normal force; of a `radius` only.")
-           .in(non_negative())
-           .or_else(0),
        key::number("stiffness", "N/m^2", "Force of a place on what is hard over its squared depth.")
            .in(positive())
-           .or_computed(
-               fmt::format("stops {:g} m/s within {:g} of the radius", usual_speed, usual_depth)),
-       key::number("free_from", "s", "It is held in steps that begin before that time.")
-           .in(non_negative())
-           .or_else(0)}};
+           .or_computed(usual_stiffness_words())}};
+  const auto others = boulder_law_keys();
+  table.keys.insert(table.keys.end(), others.begin(), others.end());
+  return table;
 }
 
 template <int dim>
 void read_boulders(const Scene& scene, ConfigReader& in, const BoulderScene<dim>& among,
                    std::vector<BoulderSettings<dim>>& boulders,
                    std::vector<RigidWallSettings<dim>>& walls) {
-  std::vector<RigidWallSettings<dim>> own;
   for (auto& item : in.objects("boulders")) {
     boulders.push_back(read_boulder<dim>(scene, item));
-    const double friction = item.has("soil_friction") ? item.number("soil_friction") : sticking;
     item.finish();
-    check_boulder(item, boulders.back(), among);
+    check_boulder(item, "shape", boulders.back(), among);
     require_own_name(item, boulders);
-    own.push_back(wall_of(boulders.back(), item, friction));
+  }
+  const std::size_t num_given = boulders.size();
+  for (auto& item : in.objects("random_boulders")) {
+    for (const auto& boulder : read_random_boulders<dim>(item, among)) {
+      boulders.push_back(boulder);
+      check_boulder(item, "sizes", boulders.back(), among);
+      require_own_name(item, boulders);
+    }
   }
   if (boulders.empty()) return;
-  check_overlaps(in, among);
+  check_overlaps(in, num_given, among);
   warn_of_edges(in, among);
+  std::vector<RigidWallSettings<dim>> own;
+  for (const auto& boulder : boulders) own.push_back(wall_of(boulder));
   walls.insert(walls.end(), own.begin(), own.end());
 }
 

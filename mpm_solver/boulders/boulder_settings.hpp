@@ -13,10 +13,14 @@ namespace gabion::mpm {
 template <int dim>
 struct BoulderSettings {
   std::string name;
+  std::string where;   ///< its place in the config, for messages
+  double density = 0;  ///< [kg/m^3]
   BoulderShape<dim> shape;
   BodyState start;
-  HardLaw law;           ///< against what is hard
-  double free_from = 0;  ///< it is held before that time [s]
+  HardLaw law;                ///< against what is hard
+  double soil_friction = 0;   ///< Coulomb's coefficient between soil and boulder
+  double free_from = 0;       ///< it is held before that time [s]
+  bool removes_soil = false;  ///< at the start, where it is
 };
 
 }  // namespace gabion::mpm

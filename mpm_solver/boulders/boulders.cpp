@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "common/base/error.hpp"
 #include "mpm_solver/contact/surface_features.hpp"
@@ -77,6 +78,9 @@ Boulders<dim>::Boulders(const BoulderScene<dim>& settings)
   for (const auto& interface : settings.interfaces) {
     interface_places_.push_back(places<dim>(interface.surface.vertices, {}));
   }
+  const auto boulders =
+      std::ranges::count_if(settings.rigid_walls, [](const auto& wall) { return wall.is_boulder; });
+  forces_.assign(facets_.size() - static_cast<std::size_t>(boulders), Vector<3>::Zero());
 }
 
 // The interfaces, then the rigid walls that are no boulders.
@@ -230,11 +234,16 @@ void Boulders<dim>::refuse_exits() const {
 template <int dim>
 void Boulders<dim>::accept() {
   if (empty()) return;
+  ledger_.add_step(contact_, accepted_, step_, *end_, in_space<dim>(settings_.gravity));
   accepted_ = {.states = end_->states, .memories = end_->memories};
   last_loads_ = step_.loads;
   for (std::size_t b = 0; b < works_.size(); ++b) works_[b] += end_->works[b];
   for (std::size_t k = 0; k < interface_places_.size(); ++k) {
     interface_places_[k] = step_.obstacles[k].end;
+  }
+  for (std::size_t k = 0; k < forces_.size(); ++k) {
+    const auto& nodal = end_->nodal_forces[k];
+    forces_[k] = std::accumulate(nodal.begin(), nodal.end(), Vector<3>(Vector<3>::Zero()));
   }
 }
 
@@ -275,9 +284,10 @@ void Boulders<dim>::add_forces(std::span<double> forces) const {
 }
 
 template <int dim>
-std::vector<std::string> Boulders<dim>::names(const std::vector<BoulderSettings<dim>>& boulders) {
+std::vector<std::string> Boulders<dim>::names(const BoulderScene<dim>& settings) {
   std::vector<std::string> names;
-  for (const auto& boulder : boulders) {
+  if (settings.boulders.empty()) return names;
+  for (const auto& boulder : settings.boulders) {
     for (const char* part : {"", "v"}) {
       for (int d = 0; d < dim; ++d)
         names.push_back(fmt::format("{}.{}{}", boulder.name, part, "xyz"[d]));
@@ -288,7 +298,16 @@ std::vector<std::string> Boulders<dim>::names(const std::vector<BoulderSettings<
       names.push_back(fmt::format("{}.{}", boulder.name, part));
     }
   }
-  if (!boulders.empty()) names.emplace_back("boulder_contact_energy");
+  names.emplace_back("boulder_contact_energy");
+  for (const auto& name : BoulderLedger::names(dim)) names.push_back(name);
+  const auto add = [&names](const std::string& surface) {
+    for (int d = 0; d < dim; ++d)
+      names.push_back(fmt::format("{}.boulders_f{}", surface, "xyz"[d]));
+  };
+  for (const auto& interface : settings.interfaces) add(interface.name);
+  for (const auto& wall : settings.rigid_walls) {
+    if (!wall.is_boulder) add(wall.name);
+  }
   return names;
 }
 
@@ -305,7 +324,12 @@ std::vector<double> Boulders<dim>::values() const {
     values.push_back(kinetic_energy(contact_.bodies()[b].mass, s));
     values.push_back(works_[b]);
   }
-  if (!empty()) values.push_back(contact_.stored_energy(accepted_.memories));
+  if (empty()) return values;
+  values.push_back(contact_.stored_energy(accepted_.memories));
+  const auto totals = ledger_.values(dim, contact_, accepted_);
+  values.insert(values.end(), totals.begin(), totals.end());
+  for (const Vector<3>& force : forces_)
+    values.insert(values.end(), force.data(), force.data() + dim);
   return values;
 }
 
@@ -344,6 +368,10 @@ void Boulders<dim>::visit_state(StateVisitor& visitor) {
   for (std::size_t k = 0; k < interface_places_.size(); ++k) {
     visitor.reals(fmt::format("boulders.interface_{}", k),
                   {interface_places_[k].front().data(), 3 * interface_places_[k].size()});
+  }
+  ledger_.visit_state(visitor);
+  for (std::size_t k = 0; k < forces_.size(); ++k) {
+    visitor.reals(fmt::format("boulders.force_{}", k), {forces_[k].data(), 3});
   }
   visit_memories(visitor, "boulders.memories", accepted_.memories);
 }

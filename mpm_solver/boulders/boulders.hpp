@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mpm_solver/boulders/aitken.hpp"
+#include "mpm_solver/boulders/boulder_ledger.hpp"
 #include "mpm_solver/boulders/boulder_settings.hpp"
 #include "mpm_solver/contact/surfaces.hpp"
 #include "mpm_solver/grid/background_grid.hpp"
@@ -72,7 +73,9 @@ class Boulders {
   /// The same of rigid walls. @param forces  as Surfaces::forces_on_walls
   void add_forces(std::span<double> forces) const;
 
-  static std::vector<std::string> names(const std::vector<BoulderSettings<dim>>& boulders);
+  /// Columns of the tables: of each boulder, of all of them, then the part of the force on each
+  /// interface and rigid wall that boulders exert.
+  static std::vector<std::string> names(const BoulderScene<dim>& settings);
   std::vector<double> values() const;
   const std::vector<BodyState>& states() const { return accepted_.states; }
 
@@ -97,6 +100,8 @@ class Boulders {
   HardContact::Start accepted_;
   std::vector<BodyLoad> last_loads_;  // of the soil, in the accepted step
   std::vector<double> works_;         // of contact with what is hard, since the start [J]
+  BoulderLedger ledger_;
+  std::vector<Vector<3>> forces_;  // mean in the accepted step, on interfaces, rigid walls [N]
 
   // the current step
   double dt_ = 0, tolerance_ = 0;

@@ -139,6 +139,7 @@ bool HardContact::solve_within(double reach, const Start& start, const Step& ste
   Under under{.dim = dim_, .bodies = bodies_, .step = step, .s0 = start.states, .s1 = start.states};
   end = {.memories = start.memories,
          .works = std::vector<double>(bodies_.size(), 0.0),
+         .load_works = std::vector<double>(bodies_.size(), 0.0),
          .loads = std::vector<BodyLoad>(bodies_.size())};
   for (const Obstacle& o : step.obstacles) {
     end.nodal_forces.emplace_back(o.start.size(), Vector<3>::Zero());
@@ -179,6 +180,8 @@ void HardContact::add_substep(const Under& under, double share, Sums& sums, End&
   for (std::int32_t c = 0; c < num_bodies(); ++c) {
     const BodyMove move = under.move(c);
     end.works[c] += sums.loads[c].force.dot(move.shift) + sums.loads[c].moment.dot(move.turn);
+    const BodyLoad& given = under.step.loads[c];
+    end.load_works[c] += given.force.dot(move.shift) + given.moment.dot(move.turn);
     end.loads[c].force += share * sums.loads[c].force;
     end.loads[c].moment += share * sums.loads[c].moment;
   }

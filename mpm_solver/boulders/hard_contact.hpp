@@ -79,8 +79,9 @@ class HardContact {
   struct End {
     std::vector<BodyState> states = {};
     HardMemories memories = {};
-    std::vector<double> works = {};    ///< of the contacts on each body [J]
-    std::vector<BodyLoad> loads = {};  ///< mean, of the contacts on each body
+    std::vector<double> works = {};       ///< of the contacts on each body [J]
+    std::vector<double> load_works = {};  ///< of Step::loads on each body [J]
+    std::vector<BodyLoad> loads = {};     ///< mean, of the contacts on each body
     std::vector<std::vector<Vector<3>>> nodal_forces =
         {};  ///< mean, on the vertices of obstacles [N]
     int substeps = 0;

@@ -13,7 +13,7 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
-#include "mpm_solver/contact/facet_hash.hpp"
+#include "mpm_solver/contact/sided_surface.hpp"
 
 namespace gabion::mpm {
 
@@ -21,12 +21,6 @@ namespace {
 
 // Soil within this many cells of a surface is near it.
 constexpr double near_cells = 2;
-
-// Share of its radius by which a contact sphere may lie in facets, which bulge where they curve.
-constexpr double allowed_overlap = 0.05;
-
-// Distances that differ by less than this share are equal.
-constexpr double same_distance = 1e-9;
 
 // Neighbours that turn by more than 2 degrees are curved, by more than 60 degrees a corner.
 constexpr double flat_cosine = 0.99939, corner_cosine = 0.5;
@@ -56,67 +50,6 @@ std::map<Edge<dim>, std::vector<std::int32_t>> edge_owners(
   return owners;
 }
 
-/// Side of a surface that a point is on.
-struct Side {
-  double distance = std::numeric_limits<double>::infinity();  // [m]
-  double height = 0;                                          // above the nearest simplex [m]
-  bool beyond_rim = false;
-
-  bool known() const { return std::isfinite(distance) && (height > 0 || !beyond_rim); }
-  bool in_front() const { return height > 0; }
-};
-
-/// A surface at the start, to be asked for sides.
-template <int dim>
-class SidedSurface {
- public:
-  SidedSurface(const StartSurface<dim>& surface, double reach)
-      : vertices_(surface.vertices),
-        simplices_(simplices(surface.settings.surface)),
-        bounds_(bounds_of<dim>(simplices_, vertices_)),
-        rim_(rim_vertices<dim>(simplices_, surface.vertices.size())),
-        hash_(simplices_, vertices_, reach) {}
-
-  /// The side of the nearest simplex. Where several are equally near, since they meet in an edge,
-  /// that counts whose plane the point is farthest from: it sees the side right.
-  /// @param within  simplices that are farther may be left out [m]
-  Side side(const Vector<dim>& x, double within = std::numeric_limits<double>::infinity()) const {
-    Side nearest;
-    for (const std::int32_t s : hash_.near(x)) {
-      const double farthest = (1 + 2 * same_distance) * std::min(within, nearest.distance);
-      if (bounds_[s].is_beyond(x, farthest)) continue;
-      const Side side = side_of(s, x);
-      const double margin = same_distance * side.distance;
-      const bool nearer = side.distance < nearest.distance - margin;
-      const bool equal = std::abs(side.distance - nearest.distance) <= margin;
-      if (nearer || (equal && std::abs(side.height) > std::abs(nearest.height))) nearest = side;
-    }
-    return nearest;
-  }
-
- private:
-  Side side_of(std::int32_t s, const Vector<dim>& x) const {
-    const Simplex<dim>& simplex = simplices_[s];
-    const auto corners = corners_of<dim>(simplex, vertices_);
-    const auto place = closest_place<dim>(corners, x);
-    Side side;
-    side.distance = (x - place.x).norm();
-    side.height = (x - corners[0]).dot(bounds_[s].normal);
-    const bool aside = std::abs(side.height) < (1 - 1e-6) * side.distance;
-    side.beyond_rim = aside && place.num_corners() < dim;
-    for (int k = 0; k < dim; ++k) {
-      if (place.weights[k] > 0) side.beyond_rim &= rim_[simplex[k]] != 0;
-    }
-    return side;
-  }
-
-  std::vector<Vector<dim>> vertices_;
-  std::vector<Simplex<dim>> simplices_;
-  std::vector<SimplexBounds<dim>> bounds_;
-  std::vector<char> rim_;  // 1 for vertices on the rim of an open surface
-  FacetHash<dim> hash_;
-};
-
 // Largest edge of a square or cube of a point's volume, which holds its contact sphere.
 template <int dim>
 double largest_size(const MaterialPoints<dim>& points) {
@@ -126,7 +59,7 @@ double largest_size(const MaterialPoints<dim>& points) {
 
 // The surface that a point is nearest to; of equally near ones one that it is in front of; -1:
 // none is near.
-int owner_of(const std::vector<Side>& sides) {
+int owner_of(const std::vector<SurfaceSide>& sides) {
   int owner = -1;
   for (std::size_t k = 0; k < sides.size(); ++k) {
     if (!sides[k].known()) continue;
@@ -140,31 +73,20 @@ int owner_of(const std::vector<Side>& sides) {
   return owner;
 }
 
-/// A material point.
 template <int dim>
-struct Ball {
-  Vector<dim> x;
-  double radius;  // [m]
-  double size;    // edge of a square or cube of its volume [m]
-};
-
-template <int dim>
-void add_point(const Ball<dim>& ball, const Side& side, bool measured, double near_distance,
-               SoilAtStart<dim>& soil) {
-  double depth = ball.radius - side.distance;
-  bool inside = measured && depth > allowed_overlap * ball.radius;
+void add_point(const StartBall<dim>& ball, const SurfaceSide& side, bool measured,
+               double near_distance, SoilAtStart<dim>& soil) {
   if (side.in_front()) {
-    soil.gap = std::min(soil.gap, -depth);
+    soil.gap = std::min(soil.gap, side.distance - ball.radius);
     soil.near_front += side.distance <= near_distance;
   } else {
     soil.near_behind += side.distance <= near_distance;
-    depth = ball.radius + side.distance;
-    inside = side.distance <= ball.size;
   }
-  if (!inside) return;
+  const auto depth = depth_inside(ball, side, measured);
+  if (!depth || (!side.in_front() && side.distance > ball.size)) return;
   ++soil.inside;
-  if (depth <= soil.deepest) return;
-  soil.deepest = depth;
+  if (*depth <= soil.deepest) return;
+  soil.deepest = *depth;
   soil.deepest_at = ball.x;
 }
 
@@ -265,13 +187,14 @@ std::vector<SoilAtStart<dim>> soil_at_start(const std::vector<StartSurface<dim>>
   const double near_distance = near_cells * cell_size;
   const double reach = std::max(near_distance, largest_size(points));
   std::vector<SidedSurface<dim>> sided;
-  for (const auto& surface : surfaces) sided.emplace_back(surface, reach);
+  for (const auto& surface : surfaces)
+    sided.emplace_back(surface.settings.surface, surface.vertices, reach);
   std::vector<SoilAtStart<dim>> found(surfaces.size());
-  std::vector<Side> sides(surfaces.size());
+  std::vector<SurfaceSide> sides(surfaces.size());
   for (std::int32_t p = 0; p < points.size(); ++p) {
     for (std::size_t k = 0; k < sided.size(); ++k) sides[k] = sided[k].side(points.x[p]);
     const int owner = owner_of(sides);
-    const Ball<dim> ball{points.x[p], points.depth[p], cube_side<dim>(points.V0[p])};
+    const StartBall<dim> ball = start_ball(points, p);
     for (std::size_t k = 0; k < sided.size(); ++k) {
       if (!sides[k].known() || (!sides[k].in_front() && owner != static_cast<int>(k))) continue;
       const bool measured = std::holds_alternative<FacetSettings>(surfaces[k].settings.method);
@@ -286,10 +209,10 @@ double smallest_gap(MPI_Comm comm, const StartSurface<dim>& surface,
                     const MaterialPoints<dim>& points, double cell_size, double farthest) {
   const double widest = max_over_ranks(comm, largest_size(points));
   for (double reach = near_cells * cell_size;; reach *= 4) {
-    const SidedSurface<dim> sided(surface, reach + widest);
+    const SidedSurface<dim> sided(surface.settings.surface, surface.vertices, reach + widest);
     double gap = std::numeric_limits<double>::infinity();
     for (std::int32_t p = 0; p < points.size(); ++p) {
-      const Side side = sided.side(points.x[p], gap + points.depth[p]);
+      const SurfaceSide side = sided.side(points.x[p], gap + points.depth[p]);
       if (side.known() && side.in_front()) gap = std::min(gap, side.distance - points.depth[p]);
     }
     gap = -max_over_ranks(comm, -gap);

@@ -132,7 +132,9 @@ std::vector<std::string> SoilReport<dim>::probe_names() const {
       names.push_back(fmt::format("{}.m{}", wall.name, axes[d]));
     }
   }
-  for (const auto& name : Boulders<dim>::names(settings.boulders)) names.push_back(name);
+  for (const auto& name : Boulders<dim>::names(boulder_scene<dim>(settings, model_.grid))) {
+    names.push_back(name);
+  }
   for (const auto& name : Gauges<dim>::names(settings.gauges)) names.push_back(name);
   if (model_.lets_out) append_removed_names<dim>(model_.exit_sides, names);
   return names;

@@ -11,6 +11,7 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "mpm_solver/boulders/soil_inside.hpp"
 #include "mpm_solver/points/flat.hpp"
 
 namespace gabion::mpm {
@@ -186,6 +187,7 @@ SoilState<dim>::SoilState(const SoilModel<dim>& model)
       ranks(model.comm, model.grid),
       removed_masses(model.exit_sides.size(), 0.0) {
   locate_points(model, points);
+  remove_soil_inside(model.comm, model.settings.boulders, model.settings.rigid_walls, points);
   ranks.divide(points, surfaces);
   probe_ids = find_probe_points(model, points);
   probe_ends.assign(probe_ids.size(), std::numeric_limits<double>::infinity());

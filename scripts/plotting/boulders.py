@@ -11,14 +11,18 @@ from plotting.style import COLOURS, legend_beside, new_figure, save
 
 TURN = ".qw"  # a column that boulders alone have
 AXES = "xyz"
+MOST_NAMED = 12  # more boulders have no legend
 
 
 class Boulders:
     """Positions of the surfaces of the boulders."""
 
     def __init__(self, results: Results):
-        names = [boulder["name"] for boulder in results.settings("mpm.json").get("boulders", [])]
-        series = contact_series(results) if names else {}
+        settings = results.settings("mpm.json")
+        names = [boulder["name"] for boulder in settings.get("boulders", [])]
+        drawn = [group["name"] for group in settings.get("random_boulders", [])]
+        series = contact_series(results) if names or drawn else {}
+        names += [name for name in series if name.rpartition("_")[0] in drawn and name.rpartition("_")[2].isdigit()]
         self._series: list[Series] = [series[name] for name in names if name in series]
         self._plane = results.dim == 2
 
@@ -66,6 +70,7 @@ def plot_boulders(results: Results, out: Path) -> Path | None:
             each.plot(table["time"], values(table, boulder), color=COLOURS[k % len(COLOURS)], lw=1.1,
                       label=boulder.rpartition(".")[2].replace("_", " "))
         each.set_ylabel(label)
-        legend_beside(each)
+        if len(boulders) <= MOST_NAMED:
+            legend_beside(each)
     axes[-1].set_xlabel("time [s]")
     return save(figure, out / "boulders.png")

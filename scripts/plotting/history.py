@@ -22,6 +22,7 @@ ITERATIONS = {
     "structure_newton": "Newton, structure",
     "newton_iterations": "Newton",
 }
+BOULDER_PART = re.compile(r"\.boulders_f[xyz]$")
 REMOVED = re.compile(r"(?:^|\.)(?:removed_mass|removed\..+\.mass)$")
 SECTION = re.compile(r"\.(N|V_[xyz]|M_[xyz])$")  # columns of a section of a structure
 GRID_WALL = re.compile(r"(?:^|\.)wall\.[^.]+\.f[xyz]$")
@@ -177,10 +178,14 @@ def plot_iterations(results: Results, out: Path) -> Path | None:
 
 
 def energy_curves(results: Results) -> list[tuple[Table, str]]:
-    """Energies of steps.csv and probes.csv, and sums of work and losses of probes.csv; not those of round-off."""
+    """Energies of steps.csv and probes.csv, and sums of work and losses of probes.csv.
+
+    Those of round-off and those of single boulders are left out.
+    """
     sums = ("energy", "work", "dissipation", "damping", "loss")
     tables = [(results.table("probes.csv"), sums), (results.table("steps.csv"), ("energy",))]
-    curves = [(table, name) for table, parts in tables if table for name in table.matching(*parts)]
+    curves = [(table, name) for table, parts in tables if table for name in table.matching(*parts)
+              if name.rpartition(".")[0] not in boulder_names(table)]
     sizes = [float(np.nanmax(np.abs(table[name]), initial=0)) for table, name in curves]
     least = 1e-12 * max(sizes, default=0.0)
     return [curve for curve, size in zip(curves, sizes) if size > least]
@@ -192,14 +197,21 @@ def plot_energies(results: Results, out: Path) -> Path | None:
 
 
 def plot_forces(results: Results, out: Path) -> Path | None:
-    """Resultant force of the soil on the structure against time."""
+    """Resultant force of soil and boulders on the structure against time, and the part of the boulders."""
     table = results.table("steps.csv")
     columns = [] if table is None else [name for name in FORCES if name in table]
     several = _of_surfaces(table, FORCES)
     if len({name.rpartition(".")[0] for name in several}) > 1:
         columns += several
-    return _plot_curves([(table, name) for name in columns],
+    probes = results.table("probes.csv")
+    rocks = [(probes, name) for name in boulder_parts(probes) if not is_rigid_wall(probes, name)]
+    return _plot_curves([*((table, name) for name in columns), *rocks],
                         f"force on the structure [N{results.per_metre}]", out / "forces.png")
+
+
+def boulder_parts(table: Table | None) -> list[str]:
+    """Columns of probes.csv with the part of a force that boulders exert; not those of zeros."""
+    return [name for name in table.names if BOULDER_PART.search(name) and np.any(table[name] != 0)] if table else []
 
 
 def wall_columns(table: Table | None) -> list[str]:
@@ -215,9 +227,10 @@ def is_rigid_wall(table: Table, column: str) -> bool:
 
 
 def plot_wall_forces(results: Results, out: Path) -> Path | None:
-    """Force of the soil on each rigid wall and wall of the grid against time."""
+    """Force on each rigid wall and wall of the grid against time, and the part of the boulders."""
     table = results.table("probes.csv")
-    return _plot_curves([(table, name) for name in wall_columns(table)],
+    rocks = [name for name in boulder_parts(table) if is_rigid_wall(table, name)]
+    return _plot_curves([(table, name) for name in (*wall_columns(table), *rocks)],
                         f"force on the wall [N{results.per_metre}]", out / "wall_forces.png")
 
 

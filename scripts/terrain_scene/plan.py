@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .boulders import Boulder, read_boulders
 from .changes import changed
 from .features import Feature, key_of
 from .map_inputs import MapInputs, settle_projection
@@ -21,8 +22,8 @@ GRAVITY = 9.81
 FRAMES = 20  # of a run, unless the plan says otherwise
 
 # Keys of the objects of the file.
-PLAN = ("slope", "projection", "gaps", "area", "cell_size", "clear_height", "friction", "slide", "barrier", "gauges",
-        "probes", "time")
+PLAN = ("slope", "projection", "gaps", "area", "cell_size", "clear_height", "friction", "slide", "barrier", "boulders",
+        "gauges", "probes", "time")
 SLIDE = ("polygon", "depth", "top", "material")
 BARRIER = ("line", "height", "thickness", "material", "friction")
 GAUGE = ("name", "line", "height")
@@ -91,6 +92,7 @@ class Plan:
     interval: float  # of the frames [s]
     gauges: list[Gauge]
     probes: list[Probe]
+    boulders: list[Boulder]
     notes: list[str] = field(default_factory=list)  # defaults that were taken
 
 
@@ -247,8 +249,7 @@ def plan_of(values: object, path: Path) -> Plan:
         say_thin(f"{reader.where}/barrier", barrier.thickness, cell_size, maps.notes)
     plan = Plan(slope, maps.projection, read_gaps(reader), cell_size, corners[0], corners[1],
                 reader.number("clear_height"), friction, slide, barrier, time.number("end"), time.number("dt"),
-                interval,
-                gauges, probes, maps.notes)
+                interval, gauges, probes, read_boulders(reader), maps.notes)
     require_all_in_area(plan, str(path))
     return plan
 
@@ -264,6 +265,8 @@ def require_all_in_area(plan: Plan, path: str) -> None:
         require_in_area(plan, gauge.line, f"{path}/gauges/{k}/line")
     for probe in plan.probes:
         require_in_area(plan, probe.place[None], f"{path}/probes: {probe.name}")
+    for k, boulder in enumerate(plan.boulders):
+        require_in_area(plan, boulder.place[None], f"{path}/boulders/{k}/place")
     names = [each.name for each in (*plan.gauges, *plan.probes)]
     doubled = next((name for k, name in enumerate(names) if name in names[:k]), None)
     if doubled is not None:

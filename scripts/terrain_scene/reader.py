@@ -52,6 +52,15 @@ class Reader:
             raise self.fail(key, f"at least {at_least} rows [x, y]")
         return rows
 
+    def place(self, key: str) -> np.ndarray:
+        try:
+            place = np.array(self.values.get(key), dtype=float)
+        except (TypeError, ValueError) as error:
+            raise self.fail(key, "[x, y]") from error
+        if place.shape != (2,) or not np.isfinite(place).all():
+            raise self.fail(key, "[x, y]")
+        return place
+
     def text(self, key: str, allowed: str) -> str:
         value = self.values.get(key)
         if not isinstance(value, str) or not value:
@@ -65,7 +74,7 @@ class Reader:
         except TerrainError as error:
             raise TerrainError(f"{self.where}/{key}: {error}") from error
 
-    def children(self, key: str, keys: tuple[str, ...]) -> "list[Reader]":
+    def children(self, key: str, keys: tuple[str, ...] | None) -> "list[Reader]":
         """Readers of the objects of a list; none where the key is missing."""
         values = self.values.get(key, [])
         if not isinstance(values, list):

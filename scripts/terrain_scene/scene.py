@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from .barrier import Wall, build_wall
+from .boulders import boulder_settings
 from .depths import Mass, below_top, near_outlines, of_raster
 from .gauges import gauge_settings
 from .gmsh import write_cells
@@ -34,6 +35,7 @@ class Made:
     wall: Wall | None
     gauges: list[dict]  # settings
     probes: list[dict]
+    boulders: list[dict]
     cells: tuple[int, int, int]  # of the grid, from (0, 0, 0)
 
 
@@ -99,11 +101,13 @@ def make(plan: Plan) -> Made:
     wall = None
     if plan.barrier is not None:
         wall = build_wall(slope, plan.barrier.line - origin[:2], plan.barrier.height, plan.barrier.thickness)
-    top = max(columns.nodes[:, 2].max(), 0 if wall is None else wall.nodes[:, 2].max()) + plan.clear_height
+    boulders = [boulder_settings(boulder, slope, columns, origin) for boulder in plan.boulders]
+    highest = [settings["centre"][2] + boulder.radius for settings, boulder in zip(boulders, plan.boulders)]
+    top = max(columns.nodes[:, 2].max(), 0 if wall is None else wall.nodes[:, 2].max(), *highest, 0) + plan.clear_height
     rows, count = slope.z.shape[0] - 1, slope.z.shape[1] - 1
     gauges = [gauge_settings(gauge, slope, origin) for gauge in plan.gauges]
     probes = [probe_settings(probe, slope, columns, origin) for probe in plan.probes]
-    return Made(plan, origin, slope, facets, columns, wall, gauges, probes,
+    return Made(plan, origin, slope, facets, columns, wall, gauges, probes, boulders,
                 (count, rows, int(np.ceil(top / plan.cell_size))))
 
 
@@ -137,6 +141,8 @@ def soil_settings(made: Made) -> dict:
         settings["gauges"] = made.gauges
     if made.probes:
         settings["probes"] = made.probes
+    if made.boulders:
+        settings["boulders"] = made.boulders
     if made.wall is not None:
         settings["interfaces"] = [{"name": "barrier", "friction": plan.barrier.friction,
                                    "surface": {"mesh": {"file": "barrier.msh"}, "groups": ["faces"]}}]

@@ -43,11 +43,22 @@ class StoneMeetsWall(IntegrationCase):
                 self.assertAlmostEqual(mass * change, -float(row["dt"]) * (weight + own), delta=1e-9 * mass * SPEED)
             before = {name: float(value) for name, value in after.items()}
             impulse += float(row["dt"]) * force[0]
+            self.assertAlmostEqual(float(after["soil.wall.boulders_fx"]), force[0], delta=1e-3 * abs(force[0]) + 1e-6)
             work += float(row["structure_work"])
             self.assertLess(now - last, -float(row["structure_work"]) + 0.01 * energy[0])
         self.assertGreater(impulse, 0.4 * mass * SPEED)  # the wall still moves
         self.assertGreater(work, 0)
         self.assertLess(energy[-1] + work, energy[0] * (1 + 1e-9))
+        last = {name: float(probes[-1][f"soil.{name}"]) for name in (
+            "boulders_kinetic_energy", "boulders_gravity_work", "boulders_soil_work", "boulders_surface_work",
+            "boulders_contact_loss", "boulder_contact_energy")}
+        self.assertAlmostEqual(last["boulders_surface_work"], work, delta=1e-3 * work)
+        self.assertGreater(last["boulders_contact_loss"], 0)
+        self.assertEqual(last["boulders_soil_work"], 0)
+        gained = last["boulders_gravity_work"] - sum(last[f"{name}"] for name in (
+            "boulders_surface_work", "boulders_contact_loss", "boulder_contact_energy"))
+        self.assertAlmostEqual(last["boulders_kinetic_energy"] - float(probes[0]["soil.boulders_kinetic_energy"]),
+                               gained, delta=1e-9 * energy[0])
         self.assertGreater(sum(row["status"] == "converged" for row in steps), 5)
 
     def test_explicit_steps(self) -> None:

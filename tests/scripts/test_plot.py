@@ -530,6 +530,22 @@ class Curves(ScriptCase):
         np.testing.assert_allclose(speed[0].get_ydata(), np.hypot(2, 3))
         self.assertIsNone(boulders.plot_boulders(Results(made_up.write_results(self.folder / "none")), self.folder))
 
+    def test_parts_of_boulders_stand_beside_the_force(self) -> None:
+        names = ["time", "soil.rock_1.qw", "soil.rock_1.kinetic_energy", "soil.boulders_kinetic_energy", "soil.lid.fx",
+                 "soil.lid.mz", "soil.wall.boulders_fx", "soil.wall.boulders_fy", "soil.lid.boulders_fx"]
+        made_up.write_table(self.folder / "probes.csv", names, [[t, *range(7), t * 8] for t in range(2)])
+        table = Results(self.folder).table("probes.csv")
+        self.assertEqual(history.boulder_parts(table), ["soil.wall.boulders_fx", "soil.wall.boulders_fy",
+                                                        "soil.lid.boulders_fx"])
+        walls = self.axes_of(history.plot_wall_forces, Results(self.folder))
+        self.assertEqual([text.get_text() for text in walls[0].get_legend().get_texts()],
+                         ["soil lid fx", "soil lid boulders fx"])
+        forces = self.axes_of(history.plot_forces, Results(self.folder))
+        self.assertEqual([text.get_text() for text in forces[0].get_legend().get_texts()],
+                         ["soil wall boulders fx", "soil wall boulders fy"])
+        self.assertEqual([name for _, name in history.energy_curves(Results(self.folder))],
+                         ["soil.boulders_kinetic_energy"])
+
     def test_mass_that_left_by_side(self) -> None:
         names = ["time", "soil.mass", "soil.removed_mass", "soil.removed.right.mass", "soil.removed.top.mass"]
         made_up.write_table(self.folder / "probes.csv", names, [[0, 5, 0, 0, 0], [1, 2, 3, 3, 0]])

@@ -67,6 +67,22 @@ class TerrainCase(ScriptCase):
         for word in words:
             self.assertIn(word, result.stderr)
 
+    def check(self, *programs: str) -> str:
+        scene = self.folder / "scene"
+        command = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", "--allow-run-as-root"]
+        for k, program in enumerate(programs):
+            command += [*([":"] if k else []), "-n", "1", str(PROGRAMS / program), str(scene), "--check", "--output",
+                        str(self.folder / "out")]
+        environment = os.environ | {"OMP_NUM_THREADS": "1", "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}
+        ended = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600, env=environment)
+        self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+        return ended.stdout + ended.stderr
+
+    def make(self, **changes: object) -> str:
+        result = self.python_script("terrain", self.plan(**changes), self.folder / "scene")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
 
 class Rasters(TerrainCase):
     def test_corner_and_centre_name_the_same_places(self) -> None:
@@ -246,22 +262,6 @@ class Shapes(TerrainCase):
 
 
 class Scenes(TerrainCase):
-    def check(self, *programs: str) -> str:
-        scene = self.folder / "scene"
-        command = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", "--allow-run-as-root"]
-        for k, program in enumerate(programs):
-            command += [*([":"] if k else []), "-n", "1", str(PROGRAMS / program), str(scene), "--check", "--output",
-                        str(self.folder / "out")]
-        environment = os.environ | {"OMP_NUM_THREADS": "1", "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}
-        ended = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600, env=environment)
-        self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
-        return ended.stdout + ended.stderr
-
-    def make(self, **changes: object) -> str:
-        result = self.python_script("terrain", self.plan(**changes), self.folder / "scene")
-        self.assertEqual(result.returncode, 0, result.stderr)
-        return result.stdout
-
     def test_soil_and_barrier(self) -> None:
         said = self.make()
         self.assertIn("72 m^3 in the plan, 72 m^3 (+0.00 %)", said)

@@ -173,6 +173,31 @@ TEST(BouldersInSoil, a_gate_takes_the_momentum_of_both) {
   }
 }
 
+/// The columns of all boulders: energy by its works, momentum by the forces.
+TEST(BouldersInSoil, energy_and_momentum_of_boulders_are_accounted_for) {
+  for (const bool in_substeps : {true, false}) {
+    const auto solver = make_mpm(carried(in_substeps));
+    const double mass = mass_of_ball(2), dt = in_substeps ? 1e-3 : 5e-4;
+    const double start = probe(*solver, "boulders_kinetic_energy");
+    EXPECT_NEAR(start, probe(*solver, "stone.kinetic_energy"), 1e-9);
+    for (int k = 1; k <= 100; ++k) {
+      const double before = probe(*solver, "boulders_momentum_x");
+      run_steps(*solver, dt, 1, k);
+      const double change = (probe(*solver, "boulders_momentum_x") - before) / dt;
+      EXPECT_NEAR(change, probe(*solver, "stone.fx") - probe(*solver, "gate.boulders_fx"),
+                  1e-7 * mass * g);
+    }
+    EXPECT_NEAR(probe(*solver, "boulders_momentum_x"), mass * probe(*solver, "stone.vx"), 1e-9);
+    const double works =
+        probe(*solver, "boulders_gravity_work") + probe(*solver, "boulders_soil_work") -
+        probe(*solver, "boulders_surface_work") - probe(*solver, "boulders_contact_loss") -
+        probe(*solver, "boulder_contact_energy");
+    EXPECT_NEAR(probe(*solver, "boulders_kinetic_energy") - start, works, 1e-9 * start);
+    EXPECT_EQ(probe(*solver, "boulders_surface_work"), 0);
+    EXPECT_GT(probe(*solver, "boulders_contact_loss"), 0);
+  }
+}
+
 TEST(BouldersInSoil, a_run_goes_on_with_the_same_bits) {
   for (const bool in_substeps : {true, false}) {
     Json json = carried(in_substeps);

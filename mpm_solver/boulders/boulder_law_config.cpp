@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/boulders/boulder_law_config.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace gabion::mpm {
+
+namespace {
+
+// The usual stiffness stops a ball of this speed within this share of its radius.
+constexpr double usual_speed = 10, usual_depth = 0.01;
+// Facets of rigid walls without a coefficient have this one too.
+constexpr double sticking = 100;
+
+}  // namespace
+
+std::vector<Key> boulder_law_keys() {
+  return {
+      key::number("density", "kg/m^3", "Density of the rock.").in(positive()),
+      key::vector("velocity", "m/s", "At the start.").or_else(0),
+      key::number("friction", "", "Coulomb's coefficient on hard surfaces.")
+          .in(non_negative())
+          .or_else(0.5),
+      key::number("soil_friction", "", "Between soil and boulder; none: soil sticks.")
+          .in(non_negative())
+          .or_none(),
+      key::choice("soil_inside", {"error", "remove"},
+                  "Material points that lie in the boulder at the start: refused, or left out.")
+          .or_else("error"),
+      key::number("restitution", "", "Normal speed after an impact on what is hard over before it.")
+          .in(between(0, 1))
+          .or_else(0.4),
+      key::number("rolling_resistance", "",
+                  "Largest resisting moment over radius and normal force; of balls only.")
+          .in(non_negative())
+          .or_else(0),
+      key::number("free_from", "s", "It is held in steps that begin before that time.")
+          .in(non_negative())
+          .or_else(0)};
+}
+
+template <int dim>
+void read_boulder_law(ConfigReader& in, BoulderSettings<dim>& boulder) {
+  boulder.law.friction = in.number("friction");
+  boulder.law.restitution = in.number("restitution");
+  boulder.law.rolling = in.number("rolling_resistance");
+  if (boulder.shape.ball == 0 && boulder.law.rolling > 0) {
+    in.fail("rolling_resistance",
+            fmt::format("found {} with a shape that is no ball, allowed: 0", boulder.law.rolling));
+  }
+  boulder.soil_friction = in.has("soil_friction") ? in.number("soil_friction") : sticking;
+  boulder.removes_soil = in.choice("soil_inside") == "remove";
+  boulder.free_from = in.number("free_from");
+}
+
+template <int dim>
+double usual_stiffness(const BoulderShape<dim>& shape) {
+  return 1.5 * shape.mass.mass * usual_speed * usual_speed /
+         std::pow(usual_depth * shape.radius, 3);
+}
+
+std::string usual_stiffness_words() {
+  return fmt::format("stops {:g} m/s within {:g} of the radius", usual_speed, usual_depth);
+}
+
+template void read_boulder_law<2>(ConfigReader&, BoulderSettings<2>&);
+template void read_boulder_law<3>(ConfigReader&, BoulderSettings<3>&);
+template double usual_stiffness<2>(const BoulderShape<2>&);
+template double usual_stiffness<3>(const BoulderShape<3>&);
+
+}  // namespace gabion::mpm

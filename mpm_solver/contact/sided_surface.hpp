@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "mpm_solver/contact/facet_hash.hpp"
+#include "mpm_solver/points/material_points.hpp"
+
+namespace gabion::mpm {
+
+/// Distances that differ by less than this share are equal.
+inline constexpr double same_distance = 1e-9;
+
+/// Share of its radius by which a contact sphere may lie in facets, which bulge where they curve.
+inline constexpr double allowed_overlap = 0.05;
+
+/// Which side of a surface a place is on.
+struct SurfaceSide {
+  double distance = std::numeric_limits<double>::infinity();  ///< [m]
+  double height = 0;                                          ///< above the nearest simplex [m]
+  bool beyond_rim = false;
+
+  bool known() const { return std::isfinite(distance) && (height > 0 || !beyond_rim); }
+  bool in_front() const { return height > 0; }
+};
+
+/// A surface that does not move, to be asked for sides.
+template <int dim>
+class SidedSurface {
+ public:
+  /// @param vertices  their places [m]
+  /// @param reach     places that are farther from the surface may have no known side [m]
+  SidedSurface(const ContactSurface<dim>& surface, std::vector<Vector<dim>> vertices, double reach);
+
+  /// The side of the nearest simplex. Where several are equally near, since they meet in an edge,
+  /// that counts whose plane the place is farthest from: it sees the side right.
+  /// @param within  simplices that are farther may be left out [m]
+  SurfaceSide side(const Vector<dim>& x,
+                   double within = std::numeric_limits<double>::infinity()) const;
+
+ private:
+  SurfaceSide side_of(std::int32_t s, const Vector<dim>& x) const;
+
+  std::vector<Vector<dim>> vertices_;
+  std::vector<Simplex<dim>> simplices_;
+  std::vector<SimplexBounds<dim>> bounds_;
+  std::vector<char> rim_;  // 1 for vertices on the rim of an open surface
+  FacetHash<dim> hash_;
+};
+
+/// The contact sphere of a material point at the start.
+template <int dim>
+struct StartBall {
+  Vector<dim> x;
+  double radius;  ///< [m]
+  double size;    ///< edge of a square or cube of the point's volume [m]
+};
+
+template <int dim>
+StartBall<dim> start_ball(const MaterialPoints<dim>& points, std::int32_t p);
+
+/// How deep a contact sphere lies in a surface of a structure, none: not deeper than allowed [m].
+/// @param side      of the sphere's centre, known
+/// @param measured  the method of contact measures distances from the front
+template <int dim>
+std::optional<double> depth_inside(const StartBall<dim>& ball, const SurfaceSide& side,
+                                   bool measured);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rigid bodies that touch what is hard, against closed forms of rigid bodies.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/verification_row.hpp"
+#include "tests/unit/boulders/hard_scene.hpp"
+
+namespace gabion::mpm {
+namespace {
+
+using test::Measure;
+using test::verify;
+
+constexpr double pi = std::numbers::pi;
+
+// Depth at which the ground carries the weight.
+double rest_depth(const HardBody& body, double weight) {
+  return std::sqrt(body.mass.mass * weight / body.law.stiffness);
+}
+
+void row(const std::string& id, const std::string& what, double exact, double computed,
+         double bound, const std::string& unit) {
+  verify(
+      {.id = id, .what = what, .exact = exact, .computed = computed, .bound = bound, .unit = unit});
+}
+
+void bounded(const std::string& id, const std::string& what, double computed, double bound,
+             const std::string& unit) {
+  verify({.id = id,
+          .what = what,
+          .exact = 0,
+          .computed = computed,
+          .measure = Measure::absolute_error,
+          .bound = bound,
+          .unit = unit});
+}
+
+template <int dim>
+Scene ball_on_ground(double degrees, const HardLaw& law) {
+  const HardBody body = hard_body(ball_shape<dim>(0.5, 2650), law);
+  Scene scene(dim, {body}, on_slope(dim, degrees), {ground(dim)});
+  scene.now.states[0].x[0] = -5;
+  scene.now.states[0].x[dim - 1] = 0.5 - rest_depth(body, g * std::cos(degrees * pi / 180));
+  return scene;
+}
+
+/// A body that rolls down a slope has the acceleration g sin / (1 + J / (m R^2)); with less
+/// friction than tan / (1 + m R^2 / J) it slides: g (sin - mu cos), R dW/dt = mu g cos m R^2 / J.
+TEST(VB4_Rolling, balls_on_a_slope) {
+  for (const double friction : {0.21, 0.5}) {
+    Scene disc = ball_on_ground<2>(30, {.friction = friction});
+    disc.run(1);
+    row("VB4", fmt::format("disc on 30 deg, friction {}, rolls: speed after 1 s", friction),
+        2. / 3 * g * 0.5, disc.now.states[0].v[0], 1e-4, "m/s");
+  }
+  Scene sphere = ball_on_ground<3>(30, {.friction = 0.5});
+  sphere.run(1);
+  row("VB4", "sphere on 30 deg, rolls: speed after 1 s", 5. / 7 * g * 0.5,
+      sphere.now.states[0].v[0], 1e-4, "m/s");
+  Scene sliding = ball_on_ground<2>(30, {.friction = 0.1});
+  sliding.run(1);
+  const BodyState& end = sliding.now.states[0];
+  row("VB4", "disc on 30 deg, friction 0.1, slides: speed after 1 s",
+      g * (0.5 - 0.1 * std::sqrt(0.75)), end.v[0], 1e-9, "m/s");
+  row("VB4", "disc on 30 deg, friction 0.1, slides: R W after 1 s", 2 * 0.1 * g * std::sqrt(0.75),
+      0.5 * end.spin().norm(), 1e-9, "m/s");
+}
+
+/// What slides on level ground ends in rolling, with v_0 / (1 + J / (m R^2)).
+TEST(VB5_SlidingStart, balls_on_level_ground) {
+  Scene disc = ball_on_ground<2>(0, {.friction = 0.4});
+  disc.now.states[0].v[0] = 3;
+  disc.run(1);
+  row("VB5", "disc of 3 m/s, friction 0.4: speed when it rolls", 2, disc.now.states[0].v[0], 5e-4,
+      "m/s");
+  Scene sphere = ball_on_ground<3>(0, {.friction = 0.4});
+  sphere.now.states[0].v[0] = 3;
+  sphere.run(1);
+  row("VB5", "sphere of 3 m/s, friction 0.4: speed when it rolls", 15. / 7,
+      sphere.now.states[0].v[0], 5e-4, "m/s");
+}
+
+/// Three discs, the lower ones just apart: each has the normal force m g / (2 cos 30) of the upper
+/// one; they stand with friction of at least tan 15 between them, tan(15) / 3 below.
+double pyramid_speed(double between, double below) {
+  std::vector<HardBody> bodies(3, hard_body(ball_shape<2>(0.5, 2650), {.friction = between}));
+  for (int k = 0; k < 2; ++k) bodies[k].law.friction = below;
+  bodies[2].law.friction = between;
+  Scene scene(2, bodies, on_slope(2, 0), {ground(2)});
+  const double gap = 1e-4;
+  scene.now.states[0].x = {-0.5 - gap, 0.5, 0};
+  scene.now.states[1].x = {0.5 + gap, 0.5, 0};
+  scene.now.states[2].x = {0, 0.5 + std::sqrt(1 - std::pow(0.5 + gap, 2)), 0};
+  scene.run(3);
+  double speed = 0;
+  for (const BodyState& s : scene.now.states) speed = std::max(speed, s.v.norm());
+  return speed / std::sqrt(g * 0.5);
+}
+
+TEST(VB6_Pyramid, stands_by_friction) {
+  const double least = std::tan(15 * pi / 180);
+  bounded("VB6", "pyramid of discs, friction tan 15 + 5 %: speed after 3 s over sqrt(g R)",
+          pyramid_speed(1.05 * least, 1.05 * least), 1e-6, "");
+  EXPECT_GT(pyramid_speed(0.95 * least, 0.95 * least), 1e-3);  // falls
+}
+
+/// A free body that spins about its middle axis flips; energy and angular momentum stay.
+TEST(VB7_Tumbling, flips_keep_energy_and_momentum) {
+  BodyMass body;
+  body.mass = 1;
+  body.inertia = Vector<3>(1, 2, 3).asDiagonal();
+  BodyState state;
+  state.W = {0.01, 2, 0};
+  const double energy = kinetic_energy(body, state);
+  const Vector<3> momentum = angular_momentum(body, state);
+  for (int k = 0; k < 20000; ++k) state = advance(body, state, {}, 0.05);
+  bounded("VB7", "free body about its middle axis, 20000 steps: energy by its start less 1",
+          kinetic_energy(body, state) / energy - 1, 1e-11, "");
+  bounded("VB7", "free body about its middle axis, 20000 steps: change of angular momentum",
+          (angular_momentum(body, state) - momentum).norm() / momentum.norm(), 1e-11, "");
+}
+
+/// A frictionless elastic block that drops on its corner keeps its energy; others lose.
+TEST(VB7_Tumbling, a_block_dropped_on_its_corner) {
+  for (const bool elastic : {true, false}) {
+    const HardBody block =
+        hard_body(box_shape<2>({1, 0.5}, 2000),
+                  {.friction = elastic ? 0 : 0.4, .restitution = elastic ? 1 : 0.5});
+    Scene scene(2, {block}, on_slope(2, 0), {ground(2)});
+    scene.now.states[0].x = {0.3, 1.2, 0};
+    scene.now.states[0].q = Eigen::AngleAxisd(0.5, Vector<3>::UnitZ());
+    const double first = scene.energy();
+    double last = first, gain = 0;
+    for (int k = 0; k < 400; ++k) {
+      scene.advance();
+      gain = std::max(gain, (scene.energy() - last) / first);
+      last = scene.energy();
+    }
+    if (elastic) {
+      bounded("VB7", "block on its corner, elastic, no friction: energy by its start less 1, 2 s",
+              last / first - 1, 1e-9, "");
+    } else {
+      bounded("VB7",
+              "block on its corner, e 0.5, friction 0.4: largest gain of a step by its start", gain,
+              1e-12, "");
+    }
+  }
+}
+
+/// An ellipse that rolls over level ground, and leaves it at its speed, gains no energy in any
+/// step.
+TEST(VB12_RollingEllipse, gains_no_energy) {
+  const HardBody body =
+      hard_body(ellipsoid_shape<2>({0.6, 0.4}, 2650), {.friction = 5, .restitution = 1});
+  Scene scene(2, {body}, on_slope(2, 0), {ground(2)});
+  scene.step.dt = 2e-3;
+  scene.now.states[0].x = {-3, 0.4 + 1e-3, 0};
+  scene.now.states[0].v = {2.5, 0, 0};
+  scene.now.states[0].W = {0, 0, -2.5 / 0.4};
+  const double first = scene.energy();
+  double most = 0;
+  for (int k = 0; k < 1000; ++k) {
+    scene.advance();
+    most = std::max(most, scene.energy() - first);
+  }
+  bounded("VB12", "ellipse that rolls and bounces, 2 s: largest gain by m g a",
+          most / (body.mass.mass * g * 0.6), 1e-10, "");
+}
+
+}  // namespace
+}  // namespace gabion::mpm
