@@ -40,7 +40,8 @@ def boulders() -> list[Boulder]:
     """Latin hypercube: mass ratio 0.5 to 3, 3 to 20 cells, 0.3 to 30 m/s, restitution 0 to 1."""
     shares = qmc.LatinHypercube(4, seed=SEED).random(RUNS)
     return [Boulder(round(0.5 * 6**ratio, 3), round(3.01 * (20 / 3.01) ** size, 3), round(0.3 * 100**speed, 3),
-                    round(e, 3), is_box=k % 4 == 3, implicit=k % 4 == 2) for k, (ratio, size, speed, e) in enumerate(shares)]
+                    round(e, 3), is_box=k % 4 == 3, implicit=k % 4 == 2)
+            for k, (ratio, size, speed, e) in enumerate(shares)]
 
 
 def settings_of(boulder: Boulder) -> list[str]:
