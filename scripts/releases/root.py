@@ -47,6 +47,7 @@ mount --rbind /sys "$1/sys"
 mount --bind /dev "$1/dev"
 mount --bind /dev/pts "$1/dev/pts"
 mount -t tmpfs -o mode=1777 tmpfs "$1/dev/shm"
+mount -t tmpfs -o mode=1777 tmpfs "$1/tmp"
 set +e
 chroot "$@"
 exit $?
