@@ -37,8 +37,10 @@ void stay_off_the_network() {
 void remove_names_of_shared_memory() {
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {
-    const std::size_t name = line.find("/dev/shm/vader_segment.");
-    if (name != std::string::npos) unlink(line.c_str() + name);
+    for (const char* start : {"/dev/shm/vader_segment.", "/dev/shm/sm_segment."}) {  // of 4, of 5
+      const std::size_t name = line.find(start);
+      if (name != std::string::npos) unlink(line.c_str() + name);
+    }
   }
 }
 }  // namespace

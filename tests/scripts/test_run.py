@@ -88,6 +88,7 @@ echo nobody came
 exit 4
 """
 MPIRUN = """#!/bin/bash
+if [[ $1 == --version ]]; then echo 'mpirun (Open MPI) 4.1.4'; exit; fi
 trap 'echo mpirun was hit; exit 139' TERM
 {folder}/bin/coupler &
 wait $!
@@ -175,6 +176,7 @@ printf '%b' '{answer}'
 exit {code}
 """
 SHOWS_RANKS = """#!/bin/bash
+if [[ $1 == --version ]]; then echo 'mpirun (Open MPI) 4.1.4'; exit; fi
 while (($#)); do [[ $1 != -n ]] || echo "$(basename "$3") on $2"; shift; done
 exit 7
 """
@@ -199,7 +201,7 @@ class AdvisedRanks(MadeUpCase):
         self.write("bin/mpm_solver", text).chmod(0o755)
         (self.folder / "asked").unlink(missing_ok=True)
         done = subprocess.run([*words, *options], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                              timeout=100, check=False)
+                              timeout=600, check=False)
         self.assertEqual(done.returncode, 7, done.stdout)
         return [line for line in done.stdout.splitlines() if not line.startswith(("OPENBLAS_", "The run failed"))]
 
@@ -243,6 +245,64 @@ class AdvisedRanks(MadeUpCase):
         self.assertEqual((names, self.asked), (["coupler on 1", "mpm_solver on 1"], ""))
 
 
+FIVE = """#!/bin/bash
+if [[ $1 == --version ]]; then echo 'mpirun (Open MPI) 5.0.7'; exit; fi
+printf '%s\\n' "$@" >{folder}/words
+env >{folder}/environment
+"""
+
+
+class OpenMpi5(MadeUpCase):
+    """Other names and options than those of Open MPI 4, and no colons."""
+
+    def words_of(self, *options: str) -> list[str]:
+        """What mpirun is given."""
+        command = self.made_up("#!/bin/bash\nprintf '%s\\0' 'tcp://127.0.0.1:*' soil mpm_solver 0 wall fem_solver 0\n",
+                               FIVE.format(folder=self.folder))
+        subprocess.run([*command, *options], capture_output=True, check=False, timeout=600)
+        return (self.folder / "words").read_text().splitlines()
+
+    def test_words_and_names(self) -> None:
+        words = self.words_of("--ranks", "mpm=2")
+        self.assertNotIn("-q", words)
+        self.assertNotIn(":", words)
+        launched = words[words.index("-n"):]
+        self.assertEqual(launched[1], "4")  # ranks
+        self.assertTrue(launched[2].endswith("scripts/running/by_rank"), launched)
+        programs = " ".join(launched[3:]).split(" :: ")
+        self.assertEqual([Path(part.split()[2]).name for part in programs], ["coupler", "mpm_solver", "fem_solver"])
+        self.assertEqual([part.split()[1] for part in programs], ["1", "2", "1"])
+        environment = (self.folder / "environment").read_text()
+        self.assertIn("PRTE_MCA_prte_allowed_exit_without_sync=1\n", environment)
+        self.assertIn("OMPI_MCA_smsc=^cma\n", environment)
+        self.assertNotIn("vader", environment)
+
+    def test_launcher_that_is_none(self) -> None:
+        command = self.made_up("#!/bin/bash\nprintf '%s\\0' 'tcp://127.0.0.1:*'\n", "#!/bin/bash\necho HYDRA\n")
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("mpirun is not Open MPI's", done.stderr)
+
+    def test_each_rank_becomes_its_program(self) -> None:
+        line = ["-n", "1", "echo", "a", "b c", "::", "-n", "2", "echo", "*"]
+        for variable in ("OMPI_COMM_WORLD_RANK", "PMIX_RANK"):
+            said = [self.by_rank(line, {variable: str(rank)}) for rank in range(4)]
+            self.assertEqual(said[:3], [(0, "a b c\n"), (0, "*\n"), (0, "*\n")])
+            self.assertEqual(said[3][0], 2)
+            self.assertIn("rank 3 has no program", said[3][1])
+        self.assertIn("no rank", self.by_rank(line, {})[1])
+        for wrong in (["echo"], ["-n", "0", "echo"], ["-n", "1"], ["-n", "1", "::", "-n", "1", "echo"]):
+            code, said = self.by_rank(wrong, {"OMPI_COMM_WORLD_RANK": "0"})
+            self.assertEqual(code, 2, said)
+            self.assertIn("allowed: -n NUMBER PROGRAM", said)
+
+    def by_rank(self, words: list[str], environment: dict[str, str]) -> tuple[int, str]:
+        """Exit code and output."""
+        done = subprocess.run([str(ROOT / "scripts/running/by_rank"), *words], text=True,
+                              env={"PATH": "/usr/bin:/bin"} | environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        return done.returncode, done.stdout
+
+
 LONE_COUPLER = """#!/usr/bin/python3
 import ctypes, signal, sys
 if "--list-participants" in sys.argv:
@@ -257,11 +317,17 @@ sys.exit(5)
 """
 OTHER_SIGNAL = """#!/usr/bin/python3
 import signal, subprocess, sys
+if "--version" in sys.argv:
+    print("mpirun (Open MPI) {version}")
+    sys.exit()
 coupler = subprocess.Popen(["{folder}/bin/coupler"])
 signal.signal(signal.SIGTERM, lambda *_: coupler.poll() is None and coupler.send_signal(signal.SIGTERM))
 sys.exit(coupler.wait())
 """
+KILLS_AT_ONCE = OTHER_SIGNAL.replace("coupler.poll() is None and coupler.send_signal(signal.SIGTERM)",
+                                     "(print('mpirun kills', flush=True), coupler.kill())")
 STOPPED = """#!/bin/bash
+if [[ $1 == --version ]]; then echo 'mpirun (Open MPI) {version}'; exit; fi
 trap '' TERM
 sleep 600 &
 echo "child $!"
@@ -275,10 +341,16 @@ while :; do sleep 0.1; done
 class Stopped(MadeUpCase):
     """scripts/run gets a signal."""
 
-    def stop(self, mpirun: str, number: signal.Signals) -> tuple[int, str]:
-        """Exit code and output, after the programs have begun."""
-        with subprocess.Popen(self.made_up(LONE_COUPLER, mpirun.format(folder=self.folder)), text=True,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as run:
+    def stop(self, mpirun: str, number: signal.Signals, version: str = "4.1.4", pause: int = 0) -> tuple[int, str]:
+        """Exit code and output, after the programs have begun.
+
+        pause: of scripts/run, after it has started mpirun [s]
+        """
+        words = self.made_up(LONE_COUPLER, mpirun.format(folder=self.folder, version=version))
+        script = words[0].read_text()
+        self.assertEqual(script.count("\nlaunched=$!\n"), 1)
+        words[0].write_text(script.replace("\nlaunched=$!\n", f"\nlaunched=$!\nsleep {pause}\n"))
+        with subprocess.Popen(words, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as run:
             said = ""
             while "begun" not in said:
                 line = run.stdout.readline()
@@ -297,9 +369,28 @@ class Stopped(MadeUpCase):
             self.assertEqual(said.count("the coupler got"), 1)
             self.assertIn("Stopped.", said)
 
+    def test_signal_while_the_programs_are_started(self) -> None:
+        code, said = self.stop(OTHER_SIGNAL, signal.SIGTERM, pause=3)
+        self.assertEqual(code, 143, said)
+        self.assertIn("the coupler got 15\n", said)
+        self.assertIn("Stopped.", said)
+
+    def test_programs_have_their_time_when_mpirun_kills_at_once(self) -> None:
+        """mpirun of Open MPI 5 gives them 0.25 s: it is asked after the programs have ended, and then has."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            code, said = self.stop(KILLS_AT_ONCE, number, "5.0.7")
+            self.assertEqual(code, 128 + number, said)
+            self.assertIn(f"the coupler got {number.value}\n", said)
+            self.assertIn("Stopped.", said)
+            self.assertNotIn("mpirun kills", said)
+
     def test_mpirun_that_does_not_end(self) -> None:
         """It is stopped, and no SIGTERM ends it when it goes on: it is killed, and what it has started."""
-        code, said = self.stop(STOPPED, signal.SIGTERM)
+        self.expect_kill("4.1.4")
+        self.expect_kill("5.0.7")
+
+    def expect_kill(self, version: str) -> None:
+        code, said = self.stop(STOPPED, signal.SIGTERM, version)
         self.assertEqual(code, 143, said)
         self.assertIn("goes on", said)
         child = int(re.search(r"child (\d+)", said)[1])

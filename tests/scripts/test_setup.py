@@ -37,6 +37,14 @@ class Setup(ScriptCase):
         self.assertEqual(self.sourced(known + "chosen_of 'a|b|d' e 'f|g'"), "b\ne\nf\n")
         self.assertEqual(self.sourced(known + "available_of a b"), "b\n")
 
+    def test_availability(self) -> None:
+        """apt-cache may write its lines one by one, or be slow; nothing reads only the first ones of them."""
+        policy = ("set -euo pipefail; apt-cache() { [[ $2 != unknown ]] || return 0; echo \"$2:\"; "
+                  "echo \"  Candidate: $2\"; sleep 0.2; echo '  Version table:'; echo '     1.0 500'; }; ")
+        for name, available in (("1.0", True), ("1:3.22+dfsg1-1", True), ("(none)", False), ("unknown", False)):
+            said = self.sourced(f"{policy} is_available '{name}' && echo yes || echo no")
+            self.assertEqual(said, "yes\n" if available else "no\n", name)
+
     def test_what_the_release_lacks_is_no_error(self) -> None:
         every = ("is_available() { [[ $1 != calculix-ccx ]]; }; require_writable() { :; }; mkdir() { :; }; "
                  "quietly() { printf '%s ' \"${@: -2}\"; }; ")
