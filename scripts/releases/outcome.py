@@ -73,5 +73,5 @@ def table(outcomes: list[Outcome]) -> tuple[list[str], list[list[str]]]:
     """Head and rows."""
     head = ["release", *VERSIONS, "lacks", "built", "scene", "minimal root to first picture [min]", "tests passed"]
     return head, [[each.release, *(each.versions.get(column, "") for column in VERSIONS),
-                   ", ".join(each.lacking) or "-", each.built, each.scene, "" if each.minutes is None else f"{each.minutes:.0f}", each.tests]
-                  for each in outcomes]
+                   ", ".join(each.lacking) or "-", each.built, each.scene,
+                   "" if each.minutes is None else f"{each.minutes:.0f}", each.tests] for each in outcomes]

@@ -299,7 +299,8 @@ class OpenMpi5(MadeUpCase):
     def by_rank(self, words: list[str], environment: dict[str, str]) -> tuple[int, str]:
         """Exit code and output."""
         done = subprocess.run([str(ROOT / "scripts/running/by_rank"), *words], text=True,
-                              env={"PATH": "/usr/bin:/bin"} | environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+                              env={"PATH": "/usr/bin:/bin"} | environment,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
         return done.returncode, done.stdout
 
 
