@@ -40,7 +40,7 @@ struct Ticks {
   double idle = 0, all = 0;
 };
 
-/// Of a processor by its line "cpuN user nice system idle iowait irq softirq steal …"; a machine
+/// Ticks of a processor by its line "cpuN user nice system idle iowait irq softirq steal …"; a machine
 /// that waits for its host is not idle.
 std::optional<Ticks> ticks_of(const std::string& stat, int cpu) {
   constexpr int num_fields = 8, idle = 3, waiting_for_disk = 4;

@@ -228,7 +228,7 @@ std::vector<double> draw_sizes(ConfigReader& in, int dim, double region, RandomN
     } catch (const ConfigError& error) {
       in.fail("sizes", error.what());
     }
-    // As near to the wanted volume as whole boulders come.
+    // The volume is as near to the wanted one as whole boulders come.
     if (!counted && sum + 0.5 * volume_of(size, dim) > volume) break;
     sizes.push_back(size);
     sum += volume_of(size, dim);
