@@ -31,7 +31,7 @@ mpm::RankAdvice advice_of(const Scene& scene, ConfigReader& in, AloneSettings* a
 mpm::RankAdvice on_idle_cores(mpm::RankAdvice advice) {
   constexpr double measured_seconds = 0.3, used_by_the_system = 0.25;
   if (advice.ranks == 1) return advice;
-  const auto idle = idle_processors(measured_seconds);
+  const auto idle = idle_cores(measured_seconds);
   if (!idle) return {1, advice.reason + ", whose load the system does not tell"};
   if (*idle + used_by_the_system >= advice.ranks) return advice;
   advice.ranks = std::max(1, static_cast<int>(*idle + used_by_the_system));

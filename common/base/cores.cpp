@@ -7,13 +7,16 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
-#include <set>
+#include <map>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 namespace gabion {
 
 namespace {
+
+constexpr const char* all_cpus = "/sys/devices/system/cpu";
 
 /// Empty: the machine has more processors than the mask holds.
 std::vector<int> allowed_cpus() {
@@ -40,8 +43,8 @@ struct Ticks {
   double idle = 0, all = 0;
 };
 
-/// Ticks of a processor by its line "cpuN user nice system idle iowait irq softirq steal …"; a machine
-/// that waits for its host is not idle.
+/// Ticks of a processor by its line "cpuN user nice system idle iowait irq softirq steal …"; a
+/// machine that waits for its host is not idle.
 std::optional<Ticks> ticks_of(const std::string& stat, int cpu) {
   constexpr int num_fields = 8, idle = 3, waiting_for_disk = 4;
   std::istringstream in(stat);
@@ -79,37 +82,43 @@ int quota_in(const std::string& file) {
 int usable_cores() {
   const std::vector<int> cpus = allowed_cpus();
   const int cores = cpus.empty() ? static_cast<int>(std::thread::hardware_concurrency())
-                                 : count_cores(cpus, "/sys/devices/system/cpu");
+                                 : static_cast<int>(cores_of(cpus, all_cpus).size());
   const int quota = quota_of_group("/sys/fs/cgroup", own_group());
   return std::max(1, quota > 0 ? std::min(cores, quota) : cores);
 }
 
-std::optional<double> idle_processors(double seconds) {
+std::optional<double> idle_cores(double seconds) {
   const std::string before = text_of("/proc/stat");
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-  return idle_between(before, text_of("/proc/stat"), allowed_cpus());
+  return idle_between(before, text_of("/proc/stat"), cores_of(allowed_cpus(), all_cpus));
 }
 
 std::optional<double> idle_between(const std::string& before, const std::string& after,
-                                   const std::vector<int>& cpus) {
+                                   const std::vector<std::vector<int>>& cores) {
   double idle = 0;
-  for (const int cpu : cpus) {
-    const auto a = ticks_of(before, cpu), b = ticks_of(after, cpu);
-    if (!a || !b || b->all <= a->all) return std::nullopt;
-    idle += (b->idle - a->idle) / (b->all - a->all);
+  for (const auto& threads : cores) {
+    double least = 1;
+    for (const int cpu : threads) {
+      const auto a = ticks_of(before, cpu), b = ticks_of(after, cpu);
+      if (!a || !b || b->all <= a->all) return std::nullopt;
+      least = std::min(least, (b->idle - a->idle) / (b->all - a->all));
+    }
+    idle += least;
   }
-  return cpus.empty() ? std::nullopt : std::optional(idle);
+  return cores.empty() ? std::nullopt : std::optional(idle);
 }
 
-int count_cores(const std::vector<int>& cpus, const std::string& folder) {
-  std::set<std::string> cores;
+std::vector<std::vector<int>> cores_of(const std::vector<int>& cpus, const std::string& folder) {
+  std::map<std::string, std::vector<int>> cores;
   for (const int cpu : cpus) {
     const std::string name = "cpu" + std::to_string(cpu);
     std::ifstream in(folder + "/" + name + "/topology/thread_siblings_list");
     std::string siblings;
-    cores.insert(in >> siblings ? siblings : name);
+    cores[in >> siblings ? siblings : name].push_back(cpu);
   }
-  return static_cast<int>(cores.size());
+  std::vector<std::vector<int>> threads;
+  for (auto& [siblings, own] : cores) threads.push_back(std::move(own));
+  return threads;
 }
 
 int quota_of_group(const std::string& root, const std::string& path) {

@@ -11,19 +11,19 @@ namespace gabion {
 /// counted once, and no more than the quota of its control group (version 2). At least 1.
 int usable_cores();
 
-/// Processors of the affinity mask that nobody uses, measured over so many seconds: a sum of
-/// shares. None where the system does not say.
-std::optional<double> idle_processors(double seconds);
+/// Cores of the affinity mask that nobody uses, measured over so many seconds: a sum of shares, of
+/// each core that of its busiest hardware thread. None where the system does not say.
+std::optional<double> idle_cores(double seconds);
 
 /// The same between two texts of /proc/stat.
-/// @param cpus  numbers of the system
+/// @param cores  numbers of the hardware threads of each
 std::optional<double> idle_between(const std::string& before, const std::string& after,
-                                   const std::vector<int>& cpus);
+                                   const std::vector<std::vector<int>>& cores);
 
-/// Number of cores that these processors are threads of.
+/// Of each core the processors that are its hardware threads.
 /// @param cpus    numbers of the system
-/// @param folder  with cpuN/topology, as /sys/devices/system/cpu; a processor without counts as one
-int count_cores(const std::vector<int>& cpus, const std::string& folder);
+/// @param folder  with cpuN/topology, as /sys/devices/system/cpu; a processor without is a core
+std::vector<std::vector<int>> cores_of(const std::vector<int>& cpus, const std::string& folder);
 
 /// The least quota of a control group and those above it, in whole processors; 0: none is set.
 /// @param root  of the groups, as /sys/fs/cgroup

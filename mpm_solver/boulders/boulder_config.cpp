@@ -126,8 +126,8 @@ BodyState read_start(ConfigReader& in) {
   std::copy(v.begin(), v.end(), start.v.begin());
   start.q = read_orientation<dim>(in);
   const auto spin = in.vector("spin", dim == 2 ? 1 : 3);
-  Vector<3> in_space = Vector<3>::Zero();
-  std::copy(spin.begin(), spin.end(), in_space.data() + (dim == 2 ? 2 : 0));
+  const Vector<3> in_space =
+      dim == 2 ? Vector<3>(0, 0, spin[0]) : Vector<3>(spin[0], spin[1], spin[2]);
   start.W = start.q.conjugate() * in_space;
   return start;
 }

@@ -68,6 +68,10 @@ struct SoilAtRest {
   std::function<std::vector<LaidSide<dim>>(std::int32_t body, std::int64_t id)> sides;
   /// Cauchy stresses of a body along the axes at a place [Pa]; zero where it is free of stress.
   std::function<Vector<dim>(std::int32_t body, const Vector<dim>& x)> stress;
+  /// Whether any body is under stress. Else spheres are laid on the surface, and nothing presses.
+  bool is_stressed = true;
+  /// Largest depth of a row of points below its side, where no body is under stress [m].
+  double deepest_row = std::numeric_limits<double>::infinity();
 };
 
 /// One or several surfaces, its members, that touch the soil: between them act equal and opposite

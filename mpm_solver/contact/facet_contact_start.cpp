@@ -128,7 +128,7 @@ template <int dim>
 void FacetContact<dim>::begin_at_rest(const SoilAtRest<dim>& rest) {
   const auto& soil = search_.soil();
   if (!soil) return;
-  search_.complete_all();
+  search_.complete_near(rest.deepest_row + touching_share * cell_size_);
   const std::vector<double> du(static_cast<std::size_t>(soil->nodes.size()) * dim, 0.0);
   std::vector<double> r(du.size());
   std::vector<std::vector<RestingPlace<dim>>> places;
@@ -136,6 +136,7 @@ void FacetContact<dim>::begin_at_rest(const SoilAtRest<dim>& rest) {
     places.push_back(places_at_rest(c, rest));
     if (!places.back().empty()) lay_on(places.back(), c);
   }
+  if (!rest.is_stressed) return;
   add_forces(du, r, nullptr);  // finds the parts of the tangential stiffness
   const auto has_shear = [](const Member& member) { return member.mode == ContactMode::contact; };
   if (std::ranges::any_of(members_, has_shear)) {

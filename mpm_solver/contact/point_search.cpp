@@ -237,10 +237,13 @@ void PointSearch<dim>::mark_touching(const Watched& point, const CellGroup& grou
 }
 
 template <int dim>
-void PointSearch<dim>::complete_all() {
+void PointSearch<dim>::complete_near(double distance) {
+  const double margin = std::max(margin_, distance);
   for (WatchedGroup& watched : watched_groups_) {
     const CellGroup& group = soil_->weights.groups[watched.group];
-    for (std::int32_t k = watched.first; k < watched.last; ++k) complete(watched_[k], group);
+    for (std::int32_t k = watched.first; k < watched.last; ++k) {
+      if (std::isinf(margin) || is_near(watched_[k].x, margin)) complete(watched_[k], group);
+    }
     watched.reach = infinity;
   }
 }
@@ -339,6 +342,7 @@ void PointSearch<dim>::drop_far_side(const Behind& behind, Facing& facing) const
 
 template <int dim>
 auto PointSearch<dim>::features_at_rest(Candidate& c, double distance) -> Features {
+  c.margin = std::max(c.margin, distance);
   list_facing(c);
   c.place = Place::other;
   find_features<dim>(view_of(c), c.x, c.x, {distance, c.mean_radius()}, features_);

@@ -101,6 +101,31 @@ std::vector<LaidSide<dim>> laid_sides(const PointLayout<dim>& layout, std::int64
   return sides;
 }
 
+template <int dim>
+double deepest_uneven_row(const PointLayout<dim>& layout) {
+  double deepest = 0;
+  std::vector<Vector<dim>> corners;
+  for (std::int32_t c = 0; c < layout.mesh.num_cells(); ++c) {
+    corners.clear();
+    for (const std::int32_t node : layout.mesh.cell(c)) corners.push_back(layout.mesh.nodes[node]);
+    const auto places = places_of(layout, corners);
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (int f = 0; f < num_facets(layout.mesh.cell_type); ++f) {
+      std::vector<Vector<dim>> of_side;
+      for (const int i : facet_nodes(layout.mesh.cell_type, f)) of_side.push_back(corners[i]);
+      const auto side = side_of<dim>(of_side, places.front().x);
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const auto& place : places) nearest = std::min(nearest, side.depth(place.x));
+      least = std::min(least, nearest);
+      most = std::max(most, nearest);
+    }
+    if (most > (1 + 1e-9) * least) deepest = std::max(deepest, most);
+  }
+  return deepest;
+}
+
+template double deepest_uneven_row<2>(const PointLayout<2>&);
+template double deepest_uneven_row<3>(const PointLayout<3>&);
 template std::vector<LaidSide<2>> laid_sides<2>(const PointLayout<2>&, std::int64_t);
 template std::vector<LaidSide<3>> laid_sides<3>(const PointLayout<3>&, std::int64_t);
 

@@ -25,4 +25,9 @@ struct LaidSide {
 template <int dim>
 std::vector<LaidSide<dim>> laid_sides(const PointLayout<dim>& layout, std::int64_t number);
 
+/// Largest depth of the row of points next to a side of a cell, over the cells whose sides have rows
+/// at different depths [m]; 0 where all cells are like squares or cubes.
+template <int dim>
+double deepest_uneven_row(const PointLayout<dim>& layout);
+
 }  // namespace gabion::mpm

@@ -23,6 +23,27 @@ bool is_simplex(const Mesh<dim>& mesh) {
 
 // Spheres of simplices that are free of stress stay as they are: where a surface cuts the grid,
 // their rows of points are not symmetric, and all of them in contact bear less than some of them.
+// Steps look for contact within some three quarters of a cell of the grid.
+void warn_of_deep_rows(double deepest, double cell_size) {
+  constexpr double within = 0.75;
+  if (deepest <= within * cell_size) return;
+  log::warn(
+      "bodies: cells so flat or narrow that points lie {:.3g} m below a side, {:.2g} cells of the "
+      "grid: contact with a surface at that side may begin late, and its thrust be too small; "
+      "plausible: up to {:g} cells (more points in that direction, or cells like squares)",
+      deepest, deepest / cell_size, within);
+}
+
+// Where all cells are like squares, their spheres reach the sides as they are.
+template <int dim>
+double deepest_uneven_row(const MpmSettings<dim>& settings) {
+  double deepest = 0;
+  for (const auto& layout : settings.layouts) {
+    if (!is_simplex(layout.mesh)) deepest = std::max(deepest, mpm::deepest_uneven_row(layout));
+  }
+  return deepest;
+}
+
 template <int dim>
 SoilAtRest<dim> soil_at_rest(const MpmSettings<dim>& settings, const Vector<dim>& gravity,
                              const std::vector<std::int64_t>& first_ids) {
@@ -64,8 +85,11 @@ void SoilStep<dim>::begin_at_rest(const Vector<dim>& gravity) {
   begin_surfaces();
   state_.surfaces.receive({});
   state_.surfaces.move_walls(0);
-  state_.surfaces.begin_at_rest(
-      soil_at_rest<dim>(model_.settings, gravity, state_.points.body_ids));
+  auto rest = soil_at_rest<dim>(model_.settings, gravity, state_.points.body_ids);
+  rest.is_stressed = std::ranges::any_of(model_.settings.initial_stress,
+                                         [](const auto& stress) { return stress.has_value(); });
+  if (!rest.is_stressed) rest.deepest_row = deepest_uneven_row(model_.settings);
+  state_.surfaces.begin_at_rest(rest);
   state_.ledger.set_contact_energy(state_.surfaces.energy());
 }
 
@@ -77,12 +101,16 @@ void SoilStep<dim>::check_initial_stress() {
       strictest = &*stress;
     }
   }
-  start_ = {.dt = 1, .with_inertia = false};
   const Vector<dim> gravity = phase().gravity_ramp.at(0) * model_.settings.gravity;
-  if (!strictest) {
-    if (!state_.surfaces.contacts().empty()) begin_at_rest(gravity);
+  if (!strictest) {  // soil may move: nothing is looked for along its path
+    start_ = {.dt = 0, .with_inertia = false};
+    const double deepest = deepest_uneven_row(model_.settings);
+    if (state_.surfaces.contacts().empty() || deepest == 0) return;
+    warn_of_deep_rows(deepest, model_.cell_size);
+    begin_at_rest(gravity);
     return;
   }
+  start_ = {.dt = 1, .with_inertia = false};
   refuse_jump_on_water(model_.settings, gravity, strictest->where);
   begin_at_rest(gravity);
   begin_surfaces();

@@ -239,6 +239,11 @@ class AdvisedRanks(MadeUpCase):
         """What it finds at fault it says in the run."""
         for answer, code in (("", 2), (r"3\0many points\0", 2), ("", 0), (r"many\0points\0", 0), (r"0\0\0", 0)):
             self.assertEqual(self.run_with(answer, code=code), ["mpm_solver on 1"], answer)
+        self.assertEqual(self.run_with("", "--ranks", "auto", code=2),
+                         ["mpm_solver: ranks: 1 (it gave no advice)", "mpm_solver on 1"])
+
+    def test_what_is_asked_for_last_holds(self) -> None:
+        self.assertEqual(self.run_with(r"3\0many points\0", "--ranks", "mpm=2", "--ranks", "auto")[-1], "mpm_solver on 3")
 
     def test_check_of_a_participant_keeps_one(self) -> None:
         names = self.run_with(r"3\0many points\0", "--check-participant", "soil", coupled=True)

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "common/base/cores.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -27,10 +28,11 @@ TEST(Cores, threads_of_one_core_count_once) {
     write(folder / ("cpu" + std::to_string(cpu)) / "topology/thread_siblings_list",
           cpu % 2 == 0 ? "0,2" : "1,3");
   }
-  EXPECT_EQ(count_cores({0, 1, 2, 3}, folder), 2);
-  EXPECT_EQ(count_cores({0, 2}, folder), 1);
-  EXPECT_EQ(count_cores({1, 2}, folder), 2);
-  EXPECT_EQ(count_cores({4, 5}, folder), 2);  // of which the system says nothing
+  using Cores = std::vector<std::vector<int>>;
+  EXPECT_EQ(cores_of({0, 1, 2, 3}, folder), (Cores{{0, 2}, {1, 3}}));
+  EXPECT_EQ(cores_of({0, 2}, folder), (Cores{{0, 2}}));
+  EXPECT_EQ(cores_of({1, 2}, folder).size(), 2);
+  EXPECT_EQ(cores_of({4, 5}, folder).size(), 2);  // the system says nothing of these
 }
 
 TEST(Cores, quota_is_the_least_of_a_group_and_those_above) {
@@ -50,21 +52,22 @@ TEST(Cores, quota_is_the_least_of_a_group_and_those_above) {
   EXPECT_EQ(quota_of_group(root, "/a/b"), 2);
 }
 
-TEST(Cores, idle_processors_are_those_of_the_mask) {
+TEST(Cores, a_core_is_as_idle_as_its_busiest_thread) {
   const std::string before =
       "cpu  1 1 1 1 1 1 1 1 0 0\ncpu0 100 0 50 1000 10 0 0 0 0 0\n"
       "cpu1 100 0 50 1000 10 0 0 0 0 0\ncpu10 0 0 0 0 0 0 0 0 0 0\nintr 5\n";
   const std::string after =
       "cpu  1 1 1 1 1 1 1 1 0 0\ncpu0 110 5 55 1070 20 0 0 0 0 0\n"
       "cpu1 150 0 50 1000 10 0 0 50 0 0\ncpu10 10 0 0 0 0 0 0 0 0 0\nintr 9\n";
-  EXPECT_DOUBLE_EQ(idle_between(before, after, {0}).value(), 0.8);  // that waits for the disk too
-  EXPECT_DOUBLE_EQ(idle_between(before, after, {1}).value(), 0);    // half of it the host's
-  EXPECT_DOUBLE_EQ(idle_between(before, after, {0, 1, 10}).value(), 0.8);
-  EXPECT_FALSE(idle_between(before, after, {2}));  // is not there
-  EXPECT_FALSE(idle_between(before, before, {0}));
+  EXPECT_DOUBLE_EQ(idle_between(before, after, {{0}}).value(), 0.8);  // that waits for the disk too
+  EXPECT_DOUBLE_EQ(idle_between(before, after, {{1}}).value(), 0);    // half of it the host's
+  EXPECT_DOUBLE_EQ(idle_between(before, after, {{0}, {1}, {10}}).value(), 0.8);
+  EXPECT_DOUBLE_EQ(idle_between(before, after, {{0, 1}}).value(), 0);
+  EXPECT_FALSE(idle_between(before, after, {{2}}));  // is not there
+  EXPECT_FALSE(idle_between(before, before, {{0}}));
   EXPECT_FALSE(idle_between(before, after, {}));
-  EXPECT_FALSE(idle_between("", "", {0}));
-  EXPECT_FALSE(idle_between("cpu0 1 2\n", "cpu0 2 3\n", {0}));
+  EXPECT_FALSE(idle_between("", "", {{0}}));
+  EXPECT_FALSE(idle_between("cpu0 1 2\n", "cpu0 2 3\n", {{0}}));
 }
 
 TEST(Cores, mask_of_this_process_counts) {
