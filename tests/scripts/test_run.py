@@ -243,7 +243,8 @@ class AdvisedRanks(MadeUpCase):
                          ["mpm_solver: ranks: 1 (it gave no advice)", "mpm_solver on 1"])
 
     def test_what_is_asked_for_last_holds(self) -> None:
-        self.assertEqual(self.run_with(r"3\0many points\0", "--ranks", "mpm=2", "--ranks", "auto")[-1], "mpm_solver on 3")
+        said = self.run_with(r"3\0many points\0", "--ranks", "mpm=2", "--ranks", "auto")
+        self.assertEqual(said[-1], "mpm_solver on 3")
 
     def test_check_of_a_participant_keeps_one(self) -> None:
         names = self.run_with(r"3\0many points\0", "--check-participant", "soil", coupled=True)
