@@ -1,4 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause The forces of the contact points.
+// SPDX-License-Identifier: BSD-3-Clause
+// The forces of the contact points.
 #include <algorithm>
 #include <cmath>
 #include <limits>

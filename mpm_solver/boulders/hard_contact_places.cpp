@@ -1,4 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause The search for contact points.
+// SPDX-License-Identifier: BSD-3-Clause
+// The search for contact points.
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -48,8 +48,8 @@ struct HardNearest {
 
 HardNearest nearest_of(std::span<const HardCorners> facets, const Vector<3>& y);
 
-/// Distances at the start and at the end of a displacement, and the direction with normal .
-/// (relative way) = g1 - g0.
+/// Distances at the start and at the end of a displacement, and the direction with
+/// normal . (relative way) = g1 - g0.
 struct HardGap {
   double g0 = 0, g1 = 0;
   Vector<3> normal = Vector<3>::Zero();

@@ -119,6 +119,9 @@ void read_polygon(ConfigReader& in, RandomRegion<dim>& region) {
     if (in.has("heights")) in.fail("heights", "allowed only in 3D");
     return;
   }
+  if (!in.has("heights")) {
+    in.fail("heights", "missing, allowed in 3D: [lowest, highest] z over the polygon");
+  }
   const auto heights = in.vector("heights", 2);
   region.box.min()[dim - 1] = heights[0];
   region.box.max()[dim - 1] = heights[1];
@@ -128,6 +131,9 @@ template <int dim>
 RandomRegion<dim> read_region(ConfigReader in) {
   RandomRegion<dim> region;
   const bool is_box = in.has("low");
+  if (is_box != in.has("high")) {
+    in.fail(is_box ? "high" : "low", "missing, allowed: low and high, or a polygon");
+  }
   if (is_box == in.has("polygon")) {
     in.fail("low", "allowed: either low and high, or a polygon");
   }
@@ -290,7 +296,10 @@ KeyTable random_boulder_keys() {
                    "Between the balls around two boulders, or around one and a surface.")
            .in(non_negative())
            .or_else(0),
-       key::integer("seed", "Another number gives other boulders.").in(non_negative()).or_else(1),
+       key::integer("seed",
+                    "Another number gives other boulders; entries with the same one draw the same.")
+           .in(non_negative())
+           .or_else(1),
        key::number("stiffness", "N/m^2",
                    fmt::format("Force of a place on what is hard over its squared depth; none: of "
                                "each boulder such that it {}.",

@@ -21,13 +21,14 @@ std::vector<std::int32_t> points_inside(const BoulderSettings<dim>& boulder,
                                         const MaterialPoints<dim>& points) {
   const auto deepest = std::max_element(points.depth.begin(), points.depth.end());
   const double largest = deepest == points.depth.end() ? 0 : *deepest;
-  const SidedSurface<dim> sided(surface, surface.vertices, boulder.shape.radius + largest);
+  const SidedSurface<dim> sided(surface, surface.vertices, 2 * (boulder.shape.radius + largest));
   const Vector<dim> centre = boulder.start.x.template head<dim>();
   std::vector<std::int32_t> inside;
   for (std::int32_t p = 0; p < points.size(); ++p) {
     const double reach = boulder.shape.radius + points.depth[p];
     if ((points.x[p] - centre).squaredNorm() >= reach * reach) continue;
-    if (depth_inside(start_ball(points, p), sided.side(points.x[p]), true)) inside.push_back(p);
+    const SurfaceSide side = sided.side(points.x[p]);
+    if (side.known() && depth_inside(start_ball(points, p), side, true)) inside.push_back(p);
   }
   return inside;
 }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/mechanics/elements/cell_facets.hpp"
+#include "mpm_solver/points/rectangular_cells.hpp"
 
 namespace gabion::mpm {
 
@@ -102,10 +103,42 @@ std::vector<LaidSide<dim>> laid_sides(const PointLayout<dim>& layout, std::int64
 }
 
 template <int dim>
+bool is_rectangular(const PointLayout<dim>& layout, std::int32_t cell) {
+  const CellType type = layout.mesh.cell_type;
+  if (type != CellType::quad4 && type != CellType::hex8) return false;
+  constexpr double round_off = 1e-6;
+  std::vector<Vector<dim>> corners;
+  Vector<dim> middle = Vector<dim>::Zero();
+  for (const std::int32_t node : layout.mesh.cell(cell)) {
+    corners.push_back(layout.mesh.nodes[node]);
+    middle += corners.back() / num_nodes(type);
+  }
+  std::vector<Vector<dim>> normals;
+  for (int f = 0; f < num_facets(type); ++f) {
+    std::vector<Vector<dim>> of_side;
+    for (const int i : facet_nodes(type, f)) of_side.push_back(corners[i]);
+    normals.push_back(side_of<dim>(of_side, middle).normal);
+    for (const auto& other : normals) {
+      const double cosine = std::abs(normals.back().dot(other));
+      if (cosine > round_off && cosine < 1 - round_off) return false;
+    }
+  }
+  return true;
+}
+
+template <int dim>
+bool lies_in_rectangle(const PointLayout<dim>& layout, std::int64_t number) {
+  const auto rule_size = static_cast<std::int64_t>(
+      point_rule<dim>(layout.mesh.cell_type, layout.points_per_cell, layout.placement).size());
+  return is_rectangular(layout, static_cast<std::int32_t>(number / rule_size));
+}
+
+template <int dim>
 double deepest_uneven_row(const PointLayout<dim>& layout) {
   double deepest = 0;
   std::vector<Vector<dim>> corners;
   for (std::int32_t c = 0; c < layout.mesh.num_cells(); ++c) {
+    if (!is_rectangular(layout, c)) continue;
     corners.clear();
     for (const std::int32_t node : layout.mesh.cell(c)) corners.push_back(layout.mesh.nodes[node]);
     const auto places = places_of(layout, corners);
@@ -124,6 +157,10 @@ double deepest_uneven_row(const PointLayout<dim>& layout) {
   return deepest;
 }
 
+template bool is_rectangular<2>(const PointLayout<2>&, std::int32_t);
+template bool is_rectangular<3>(const PointLayout<3>&, std::int32_t);
+template bool lies_in_rectangle<2>(const PointLayout<2>&, std::int64_t);
+template bool lies_in_rectangle<3>(const PointLayout<3>&, std::int64_t);
 template double deepest_uneven_row<2>(const PointLayout<2>&);
 template double deepest_uneven_row<3>(const PointLayout<3>&);
 template std::vector<LaidSide<2>> laid_sides<2>(const PointLayout<2>&, std::int64_t);

@@ -9,6 +9,7 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/checks/soil_at_rest.hpp"
+#include "mpm_solver/points/rectangular_cells.hpp"
 #include "mpm_solver/step/soil_step.hpp"
 #include "mpm_solver/stress/point_motion.hpp"
 
@@ -16,13 +17,6 @@ namespace gabion::mpm {
 
 namespace {
 
-template <int dim>
-bool is_simplex(const Mesh<dim>& mesh) {
-  return mesh.cell_type != CellType::quad4 && mesh.cell_type != CellType::hex8;
-}
-
-// Spheres of simplices that are free of stress stay as they are: where a surface cuts the grid,
-// their rows of points are not symmetric, and all of them in contact bear less than some of them.
 // Steps look for contact within some three quarters of a cell of the grid.
 void warn_of_deep_rows(double deepest, double cell_size) {
   constexpr double within = 0.75;
@@ -39,18 +33,23 @@ template <int dim>
 double deepest_uneven_row(const MpmSettings<dim>& settings) {
   double deepest = 0;
   for (const auto& layout : settings.layouts) {
-    if (!is_simplex(layout.mesh)) deepest = std::max(deepest, mpm::deepest_uneven_row(layout));
+    deepest = std::max(deepest, mpm::deepest_uneven_row(layout));
   }
   return deepest;
 }
 
+// Without stress only rectangles count. Rows of triangles are not symmetric, and where a surface
+// cuts the grid all spheres in contact bear less than some of them; sand in sheared cells that
+// touches walls and floor at once finds no first balance.
 template <int dim>
 SoilAtRest<dim> soil_at_rest(const MpmSettings<dim>& settings, const Vector<dim>& gravity,
                              const std::vector<std::int64_t>& first_ids) {
   SoilAtRest<dim> rest;
   rest.sides = [&](std::int32_t body, std::int64_t id) -> std::vector<LaidSide<dim>> {
-    if (!settings.initial_stress[body] && is_simplex(settings.layouts[body].mesh)) return {};
-    return laid_sides<dim>(settings.layouts[body], id - first_ids[body]);
+    const auto& layout = settings.layouts[body];
+    const std::int64_t number = id - first_ids[body];
+    if (!settings.initial_stress[body] && !lies_in_rectangle(layout, number)) return {};
+    return laid_sides<dim>(layout, number);
   };
   rest.stress = [&settings, gravity](std::int32_t body, const Vector<dim>& x) -> Vector<dim> {
     if (!settings.initial_stress[body]) return Vector<dim>::Zero();

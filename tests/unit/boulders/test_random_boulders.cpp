@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "mpm_solver/boulders/random_sizes.hpp"
+#include "solver_program/ranked_state.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
@@ -218,6 +219,18 @@ TEST(SoilInside, is_left_out_or_refused) {
     run_steps(*solver, 1e-4, 5);
     EXPECT_LT(std::abs(probe(*solver, "stone.vx")), 1e-3) << dim;
   }
+}
+
+TEST(SoilInside, a_run_without_it_goes_on_from_a_saved_state) {
+  const Json json = stone_in_soil(2, "remove");
+  const auto straight = mpm_solver<2>(json), first = mpm_solver<2>(json),
+             second = mpm_solver<2>(json);
+  run_steps(*straight, 1e-4, 5);
+  run_steps(*first, 1e-4, 3);
+  load_gathered(comm(), gather_state(comm(), first->save_state()), *second);
+  run_steps(*second, 1e-4, 2, 4);
+  EXPECT_TRUE(same_bits<2>(second->points(), straight->points()));
+  EXPECT_EQ(second->probes(), straight->probes());
 }
 
 TEST(SoilInside, a_body_that_would_vanish_is_refused) {
