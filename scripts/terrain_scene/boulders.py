@@ -7,7 +7,7 @@ import numpy as np
 
 from .raster import TerrainError
 from .reader import Reader
-from .slope import THINNEST, Columns, Slope
+from .slope import Columns, Slope
 
 SHAPES = ("radius", "box", "ellipsoid")
 SAMPLES = 24  # along the radius, where the ground under a boulder is looked at
@@ -65,10 +65,7 @@ def boulder_settings(boulder: Boulder, slope: Slope, columns: Columns, origin: n
     on_map = (np.abs(x + dx - wide / 2) <= wide / 2) & (np.abs(y + dy - long / 2) <= long / 2)
     near = (dx**2 + dy**2 <= boulder.radius**2) & on_map
     dx, dy = dx[near], dy[near]
-    rows, count = columns.depth.shape
-    depth = columns.depth[np.minimum(((y + dy) / slope.spacing).astype(int), rows - 1),
-                          np.minimum(((x + dx) / slope.spacing).astype(int), count - 1)]
-    ground = slope.at(x + dx, y + dy) + np.where(depth >= THINNEST * slope.spacing, depth, 0)
+    ground = slope.at(x + dx, y + dy) + columns.heights(x + dx, y + dy, slope.spacing)
     heights = ground + np.sqrt(np.maximum(boulder.radius**2 - dx**2 - dy**2, 0))
     if not len(heights) or np.isnan(heights).all():
         raise TerrainError(f"boulder {boulder.settings['name']}: found no ground at ({boulder.place[0]:.9g}, "

@@ -169,6 +169,16 @@ class Columns:
     asked: float
     filled: float
     depth: np.ndarray  # mean of each cell of the lattice [m], before thin ones are left out
+    top: np.ndarray  # above the slope at the corners of each cell, rows x columns x 4 [m]; 0 where there is no soil
+
+    def heights(self, x: np.ndarray, y: np.ndarray, spacing: float) -> np.ndarray:
+        """The surface of the soil above the slope at places on the lattice [m]; 0 where there is no soil."""
+        rows, count = self.depth.shape
+        row = np.minimum((y / spacing).astype(int), rows - 1)
+        column = np.minimum((x / spacing).astype(int), count - 1)
+        v, u = y / spacing - row, x / spacing - column
+        shares = np.stack([(1 - v) * (1 - u), (1 - v) * u, v * u, v * (1 - u)], axis=-1)
+        return (shares * self.top[row, column]).sum(axis=-1)
 
 
 def corner_depths(mass: Mass, slope: Slope, within: np.ndarray) -> np.ndarray:
@@ -204,7 +214,8 @@ def lay_columns(slope: Slope, mass: Mass, lift: np.ndarray | None = None) -> Col
     within = np.argwhere(mean >= thinnest)
     filled = mean[mean >= thinnest].sum() * h * h
     if not len(within):
-        return Columns(np.empty((0, 3)), np.empty((0, 8), dtype=int), mass.asked(), 0.0, mean)
+        return Columns(np.empty((0, 3)), np.empty((0, 8), dtype=int), mass.asked(), 0.0, mean,
+                       np.zeros((*mean.shape, 4)))
     means = mean[within[:, 0], within[:, 1]]
     ground = np.stack([slope.z[within[:, 0] + dj, within[:, 1] + di] for dj in (0, 1) for di in (0, 1)]).sum(axis=0)
     slope.require_known(ground, (within[:, ::-1] + 0.5) * h, "slide")
@@ -225,4 +236,6 @@ def lay_columns(slope: Slope, mass: Mass, lift: np.ndarray | None = None) -> Col
         cells.append(first + 4 * np.arange(count)[:, None] + np.arange(8))
         first += 4 * (count + 1)
     asked = mass.asked() if mass.stretch is None else float(mean.sum()) * h * h
-    return Columns(np.concatenate(nodes), np.concatenate(cells), asked, float(filled), mean)
+    surface = np.zeros((*mean.shape, 4))
+    surface[tuple(within.T)] = high + (0 if lift is None else lift[tuple(within.T)][:, None])
+    return Columns(np.concatenate(nodes), np.concatenate(cells), asked, float(filled), mean, surface)
