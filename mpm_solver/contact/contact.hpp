@@ -66,11 +66,11 @@ template <int dim>
 struct SoilAtRest {
   /// Sides that a point was laid at.
   std::function<std::vector<LaidSide<dim>>(std::int32_t body, std::int64_t id)> sides;
-  /// Cauchy stresses of a body along the axes at a place [Pa]; zero where it is free of stress.
+  /// 1 for bodies under stress. The others lie on a surface and do not press on it.
+  std::vector<char> is_stressed;
+  /// Cauchy stresses of a body under stress along the axes at a place [Pa].
   std::function<Vector<dim>(std::int32_t body, const Vector<dim>& x)> stress;
-  /// Whether any body is under stress. Else spheres are laid on the surface, and nothing presses.
-  bool is_stressed = true;
-  /// Largest depth of a row of points below its side, where no body is under stress [m].
+  /// Soil that is farther from a surface does not lie on it [m].
   double deepest_row = std::numeric_limits<double>::infinity();
 };
 

@@ -177,9 +177,10 @@ class FacetContact final : public Contact<dim> {
 
   // Soil at rest when the run begins.
   std::vector<RestingPlace<dim>> places_at_rest(Candidate& c, const SoilAtRest<dim>& rest);
-  void lay_on(std::span<const RestingPlace<dim>> places, Candidate& c);
+  void set_off(std::span<const RestingPlace<dim>> places, Candidate& c);
+  void remember_depths(std::span<const RestingPlace<dim>> places, Candidate& c);
   void remember_shear(const ContactPoint& contact, std::span<const RestingPlace<dim>> places);
-  void remember_contacts();
+  void remember_contacts(const SoilAtRest<dim>& rest);
 
   // The accepted state.
   void accept_contacts(std::size_t owner);

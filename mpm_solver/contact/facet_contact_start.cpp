@@ -30,20 +30,24 @@ std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(Candidate& c,
   if (sides.empty()) return places;
   double deepest = 0;
   for (const auto& side : sides) deepest = std::max(deepest, side.depth);
-  const double tolerance = touching_share * cell_size_;
-  for (const auto& feature : search_.features_at_rest(c, deepest + tolerance)) {
+  const double tolerance = touching_share * cell_size_, reach = deepest + tolerance;
+  const bool stressed = rest.is_stressed[c.body] != 0;
+  // Soil that is free of stress may move fast: what is along its path does not matter here.
+  c.margin = stressed ? std::max(c.margin, reach) : reach;
+  for (const auto& feature : search_.features_at_rest(c, reach)) {
     const Vector<dim>& n = feature.normal;
     const auto side = std::find_if(sides.begin(), sides.end(), [&](const auto& s) {
       return s.normal.dot(n) > along_side && std::abs(s.depth - feature.distance) <= tolerance;
     });
     if (side == sides.end()) continue;
-    const Vector<dim> stress = rest.stress(c.body, feature.x + side->shift);
+    Vector<dim> stress = Vector<dim>::Zero();
+    if (stressed) stress = rest.stress(c.body, feature.x + side->shift);
     const Vector<dim> force = side->area * stress.cwiseProduct(n);
     const double R = c.radius(n), area = c.volume / (2 * R);
     const std::int32_t owner = surface_.owner(feature.simplex);
     const double penalty = law_of(c, owner, 1).penalty;
     const double square = -n.dot(force) / (area * penalty);
-    if (!(square > 0) && !force.isZero(0)) continue;
+    if (stressed && !(square > 0)) continue;
     places.push_back({.normal = n,
                       .gap = feature.distance - R,
                       .square = square,
@@ -53,9 +57,9 @@ std::vector<RestingPlace<dim>> FacetContact<dim>::places_at_rest(Candidate& c,
   return places;
 }
 
-// Sets the sphere off to where it touches, and remembers the depths of contacts under stress.
+// Sets the sphere off to where it touches.
 template <int dim>
-void FacetContact<dim>::lay_on(std::span<const RestingPlace<dim>> places, Candidate& c) {
+void FacetContact<dim>::set_off(std::span<const RestingPlace<dim>> places, Candidate& c) {
   Vector<dim> offset = Vector<dim>::Zero();
   for (int k = 0; k < projections; ++k) {
     for (const auto& place : places) {
@@ -66,7 +70,11 @@ void FacetContact<dim>::lay_on(std::span<const RestingPlace<dim>> places, Candid
     memory_.offsets()[c.id] = c.offset = offset;
     c.x += offset;
   }
-  if (std::ranges::all_of(places, [](const auto& place) { return place.square == 0; })) return;
+}
+
+// The contacts of a sphere that was set off begin with the depths of the stress.
+template <int dim>
+void FacetContact<dim>::remember_depths(std::span<const RestingPlace<dim>> places, Candidate& c) {
   auto& memory = memory_.add(c.id);
   memory.clear();
   std::vector<RestingPlace<dim>> together;
@@ -106,13 +114,15 @@ void FacetContact<dim>::remember_shear(const ContactPoint& contact,
 
 // The accepted state is that in which the contacts stand as they do.
 template <int dim>
-void FacetContact<dim>::remember_contacts() {
+void FacetContact<dim>::remember_contacts(const SoilAtRest<dim>& rest) {
   memory_.take_contacts();
   for (Member& member : members_) {
     member.energy = {};
     member.stored_slip = 0;
   }
   for (const ContactPoint& contact : contacts_) {
+    // Soil that is free of stress touches by rounding at most: its contact has not begun.
+    if (!rest.is_stressed[candidate(contact).body]) continue;
     const Remembered memory = memory_of(contact);
     Member& member = members_[contact.owner];
     member.stored_slip += stored_in_slip(contact, memory);
@@ -134,9 +144,11 @@ void FacetContact<dim>::begin_at_rest(const SoilAtRest<dim>& rest) {
   std::vector<std::vector<RestingPlace<dim>>> places;
   for (Candidate& c : search_.candidates()) {
     places.push_back(places_at_rest(c, rest));
-    if (!places.back().empty()) lay_on(places.back(), c);
+    if (places.back().empty()) continue;
+    set_off(places.back(), c);
+    if (rest.is_stressed[c.body]) remember_depths(places.back(), c);
   }
-  if (!rest.is_stressed) return;
+  if (std::ranges::count(rest.is_stressed, 1) == 0) return;
   add_forces(du, r, nullptr);  // finds the parts of the tangential stiffness
   const auto has_shear = [](const Member& member) { return member.mode == ContactMode::contact; };
   if (std::ranges::any_of(members_, has_shear)) {
@@ -145,7 +157,7 @@ void FacetContact<dim>::begin_at_rest(const SoilAtRest<dim>& rest) {
     }
     add_forces(du, r, nullptr);
   }
-  remember_contacts();
+  remember_contacts(rest);
 }
 
 template class FacetContact<2>;

@@ -342,7 +342,6 @@ void PointSearch<dim>::drop_far_side(const Behind& behind, Facing& facing) const
 
 template <int dim>
 auto PointSearch<dim>::features_at_rest(Candidate& c, double distance) -> Features {
-  c.margin = std::max(c.margin, distance);
   list_facing(c);
   c.place = Place::other;
   find_features<dim>(view_of(c), c.x, c.x, {distance, c.mean_radius()}, features_);

@@ -112,9 +112,11 @@ class PointSearch {
 
   // Soil at rest when the run begins.
 
-  /// Watched points within this distance of a surface, or nearer than the margin, become candidates.
+  /// Watched points within this distance of a surface, or nearer than the margin, become
+  /// candidates.
   void complete_near(double distance);
-  /// Places within this distance of a candidate where it is. @returns valid until the next search
+  /// Places within this distance of a candidate where it is. @pre its margin is not less
+  /// @returns valid until the next search
   Features features_at_rest(Candidate& c, double distance);
   /// Candidates refer to the memory as it is.
   void refer_to_memory();

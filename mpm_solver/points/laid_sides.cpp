@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "common/mechanics/elements/cell_facets.hpp"
-#include "mpm_solver/points/rectangular_cells.hpp"
 
 namespace gabion::mpm {
 
@@ -15,6 +14,9 @@ namespace {
 // Points of a cell that are no farther from a side than the nearest one, by this share, are in its
 // row.
 constexpr double same_row = 0.1;
+
+// Sides meet at right angles to within this cosine; rows to within this share are equally deep.
+constexpr double right_angle = 1e-6, same_depth = 1e-9;
 
 template <int dim>
 struct Place {
@@ -66,33 +68,64 @@ std::vector<Place<dim>> places_of(const PointLayout<dim>& layout,
   return places;
 }
 
-}  // namespace
+/// A cell of a body as its points were laid in it.
+template <int dim>
+struct LaidCell {
+  std::vector<Place<dim>> places;  // of its points
+  std::vector<Side<dim>> sides;
+  std::vector<double> rows;  // depth of the row next to each side [m]
+};
 
 template <int dim>
-std::vector<LaidSide<dim>> laid_sides(const PointLayout<dim>& layout, std::int64_t number) {
-  const auto rule_size = static_cast<std::int64_t>(
-      point_rule<dim>(layout.mesh.cell_type, layout.points_per_cell, layout.placement).size());
-  const auto nodes = layout.mesh.cell(static_cast<std::int32_t>(number / rule_size));
+LaidCell<dim> laid_cell(const PointLayout<dim>& layout, std::int32_t number) {
+  const CellType type = layout.mesh.cell_type;
   std::vector<Vector<dim>> corners;
-  for (const std::int32_t node : nodes) corners.push_back(layout.mesh.nodes[node]);
-  const auto places = places_of(layout, corners);
-  const Place<dim>& own = places[static_cast<std::size_t>(number % rule_size)];
-  std::vector<LaidSide<dim>> sides;
-  for (int f = 0; f < num_facets(layout.mesh.cell_type); ++f) {
+  for (const std::int32_t node : layout.mesh.cell(number)) {
+    corners.push_back(layout.mesh.nodes[node]);
+  }
+  LaidCell<dim> cell{.places = places_of(layout, corners), .sides = {}, .rows = {}};
+  for (int f = 0; f < num_facets(type); ++f) {
     std::vector<Vector<dim>> of_side;
-    for (const int i : facet_nodes(layout.mesh.cell_type, f)) of_side.push_back(corners[i]);
-    const auto side = side_of<dim>(of_side, own.x);
+    for (const int i : facet_nodes(type, f)) of_side.push_back(corners[i]);
+    const auto& side = cell.sides.emplace_back(side_of<dim>(of_side, cell.places.front().x));
     double nearest = std::numeric_limits<double>::infinity();
-    for (const auto& place : places) nearest = std::min(nearest, side.depth(place.x));
+    for (const auto& place : cell.places) nearest = std::min(nearest, side.depth(place.x));
+    cell.rows.push_back(nearest);
+  }
+  return cell;
+}
+
+template <int dim>
+bool is_rectangular(const LaidCell<dim>& cell) {
+  for (const auto& one : cell.sides) {
+    for (const auto& other : cell.sides) {
+      const double cosine = std::abs(one.normal.dot(other.normal));
+      if (cosine > right_angle && cosine < 1 - right_angle) return false;
+    }
+  }
+  return true;
+}
+
+template <int dim>
+std::int64_t points_of_a_cell(const PointLayout<dim>& layout) {
+  return static_cast<std::int64_t>(
+      point_rule<dim>(layout.mesh.cell_type, layout.points_per_cell, layout.placement).size());
+}
+
+template <int dim>
+std::vector<LaidSide<dim>> sides_at(const LaidCell<dim>& cell, const Place<dim>& own) {
+  std::vector<LaidSide<dim>> sides;
+  for (std::size_t f = 0; f < cell.sides.size(); ++f) {
+    const Side<dim>& side = cell.sides[f];
+    const double in_row = (1 + same_row) * cell.rows[f], depth = side.depth(own.x);
+    if (depth > in_row) continue;
     double volume = 0;
     Vector<dim> mean = Vector<dim>::Zero();
-    for (const auto& place : places) {
-      if (side.depth(place.x) > (1 + same_row) * nearest) continue;
+    for (const auto& place : cell.places) {
+      if (side.depth(place.x) > in_row) continue;
       volume += place.volume;
       mean += place.volume * place.x;
     }
-    const double depth = side.depth(own.x);
-    if (depth > (1 + same_row) * nearest) continue;
     const Vector<dim> to_middle = side.middle - mean / volume;
     sides.push_back({.normal = side.normal,
                      .depth = depth,
@@ -102,68 +135,31 @@ std::vector<LaidSide<dim>> laid_sides(const PointLayout<dim>& layout, std::int64
   return sides;
 }
 
-template <int dim>
-bool is_rectangular(const PointLayout<dim>& layout, std::int32_t cell) {
-  const CellType type = layout.mesh.cell_type;
-  if (type != CellType::quad4 && type != CellType::hex8) return false;
-  constexpr double round_off = 1e-6;
-  std::vector<Vector<dim>> corners;
-  Vector<dim> middle = Vector<dim>::Zero();
-  for (const std::int32_t node : layout.mesh.cell(cell)) {
-    corners.push_back(layout.mesh.nodes[node]);
-    middle += corners.back() / num_nodes(type);
-  }
-  std::vector<Vector<dim>> normals;
-  for (int f = 0; f < num_facets(type); ++f) {
-    std::vector<Vector<dim>> of_side;
-    for (const int i : facet_nodes(type, f)) of_side.push_back(corners[i]);
-    normals.push_back(side_of<dim>(of_side, middle).normal);
-    for (const auto& other : normals) {
-      const double cosine = std::abs(normals.back().dot(other));
-      if (cosine > round_off && cosine < 1 - round_off) return false;
-    }
-  }
-  return true;
-}
+}  // namespace
 
 template <int dim>
-bool lies_in_rectangle(const PointLayout<dim>& layout, std::int64_t number) {
-  const auto rule_size = static_cast<std::int64_t>(
-      point_rule<dim>(layout.mesh.cell_type, layout.points_per_cell, layout.placement).size());
-  return is_rectangular(layout, static_cast<std::int32_t>(number / rule_size));
+std::vector<LaidSide<dim>> laid_sides(const PointLayout<dim>& layout, std::int64_t number,
+                                      bool of_rectangles_only) {
+  const std::int64_t count = points_of_a_cell(layout);
+  const auto cell = laid_cell(layout, static_cast<std::int32_t>(number / count));
+  if (of_rectangles_only && !is_rectangular(cell)) return {};
+  return sides_at(cell, cell.places[static_cast<std::size_t>(number % count)]);
 }
 
 template <int dim>
 double deepest_uneven_row(const PointLayout<dim>& layout) {
   double deepest = 0;
-  std::vector<Vector<dim>> corners;
   for (std::int32_t c = 0; c < layout.mesh.num_cells(); ++c) {
-    if (!is_rectangular(layout, c)) continue;
-    corners.clear();
-    for (const std::int32_t node : layout.mesh.cell(c)) corners.push_back(layout.mesh.nodes[node]);
-    const auto places = places_of(layout, corners);
-    double least = std::numeric_limits<double>::infinity(), most = 0;
-    for (int f = 0; f < num_facets(layout.mesh.cell_type); ++f) {
-      std::vector<Vector<dim>> of_side;
-      for (const int i : facet_nodes(layout.mesh.cell_type, f)) of_side.push_back(corners[i]);
-      const auto side = side_of<dim>(of_side, places.front().x);
-      double nearest = std::numeric_limits<double>::infinity();
-      for (const auto& place : places) nearest = std::min(nearest, side.depth(place.x));
-      least = std::min(least, nearest);
-      most = std::max(most, nearest);
-    }
-    if (most > (1 + 1e-9) * least) deepest = std::max(deepest, most);
+    const auto cell = laid_cell(layout, c);
+    const auto [least, most] = std::ranges::minmax(cell.rows);
+    if (most > (1 + same_depth) * least && is_rectangular(cell)) deepest = std::max(deepest, most);
   }
   return deepest;
 }
 
-template bool is_rectangular<2>(const PointLayout<2>&, std::int32_t);
-template bool is_rectangular<3>(const PointLayout<3>&, std::int32_t);
-template bool lies_in_rectangle<2>(const PointLayout<2>&, std::int64_t);
-template bool lies_in_rectangle<3>(const PointLayout<3>&, std::int64_t);
 template double deepest_uneven_row<2>(const PointLayout<2>&);
 template double deepest_uneven_row<3>(const PointLayout<3>&);
-template std::vector<LaidSide<2>> laid_sides<2>(const PointLayout<2>&, std::int64_t);
-template std::vector<LaidSide<3>> laid_sides<3>(const PointLayout<3>&, std::int64_t);
+template std::vector<LaidSide<2>> laid_sides<2>(const PointLayout<2>&, std::int64_t, bool);
+template std::vector<LaidSide<3>> laid_sides<3>(const PointLayout<3>&, std::int64_t, bool);
 
 }  // namespace gabion::mpm

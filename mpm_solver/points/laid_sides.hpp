@@ -22,11 +22,13 @@ struct LaidSide {
 /// The sides of its cell whose row a point belongs to: it is as near to them as any point of the
 /// cell. A side that is warped counts with its mean plane.
 /// @param number  of the point in its body
+/// @param of_rectangles_only  none of a cell whose sides do not meet at right angles, to 1e-6
 template <int dim>
-std::vector<LaidSide<dim>> laid_sides(const PointLayout<dim>& layout, std::int64_t number);
+std::vector<LaidSide<dim>> laid_sides(const PointLayout<dim>& layout, std::int64_t number,
+                                      bool of_rectangles_only = false);
 
-/// Largest depth of the row of points next to a side of a cell, over the cells whose sides have rows
-/// at different depths [m]; 0 where all cells are like squares or cubes.
+/// Largest depth of the row of points next to a side, over the rectangular cells whose rows are at
+/// different depths [m]; 0 where those are squares or cubes.
 template <int dim>
 double deepest_uneven_row(const PointLayout<dim>& layout);
 

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/checks/soil_at_rest.hpp"
-#include "mpm_solver/points/rectangular_cells.hpp"
 #include "mpm_solver/step/soil_step.hpp"
 #include "mpm_solver/stress/point_motion.hpp"
 
@@ -28,12 +28,13 @@ void warn_of_deep_rows(double deepest, double cell_size) {
       deepest, deepest / cell_size, within);
 }
 
-// Where all cells are like squares, their spheres reach the sides as they are.
+// Largest depth of rows that spheres free of stress do not reach as they are [m].
 template <int dim>
-double deepest_uneven_row(const MpmSettings<dim>& settings) {
+double deepest_row_to_reach(const MpmSettings<dim>& settings) {
   double deepest = 0;
-  for (const auto& layout : settings.layouts) {
-    deepest = std::max(deepest, mpm::deepest_uneven_row(layout));
+  for (std::size_t b = 0; b < settings.layouts.size(); ++b) {
+    if (settings.initial_stress[b]) continue;
+    deepest = std::max(deepest, deepest_uneven_row(settings.layouts[b]));
   }
   return deepest;
 }
@@ -45,14 +46,12 @@ template <int dim>
 SoilAtRest<dim> soil_at_rest(const MpmSettings<dim>& settings, const Vector<dim>& gravity,
                              const std::vector<std::int64_t>& first_ids) {
   SoilAtRest<dim> rest;
-  rest.sides = [&](std::int32_t body, std::int64_t id) -> std::vector<LaidSide<dim>> {
-    const auto& layout = settings.layouts[body];
-    const std::int64_t number = id - first_ids[body];
-    if (!settings.initial_stress[body] && !lies_in_rectangle(layout, number)) return {};
-    return laid_sides<dim>(layout, number);
+  for (const auto& stress : settings.initial_stress) rest.is_stressed.push_back(stress ? 1 : 0);
+  rest.sides = [&](std::int32_t body, std::int64_t id) {
+    return laid_sides<dim>(settings.layouts[body], id - first_ids[body],
+                           !settings.initial_stress[body]);
   };
-  rest.stress = [&settings, gravity](std::int32_t body, const Vector<dim>& x) -> Vector<dim> {
-    if (!settings.initial_stress[body]) return Vector<dim>::Zero();
+  rest.stress = [&settings, gravity](std::int32_t body, const Vector<dim>& x) {
     return initial_stress_at<dim>(
         *settings.initial_stress[body],
         {.body = settings.bodies[body], .number = body, .gravity = gravity}, x[dim - 1]);
@@ -77,7 +76,7 @@ void refuse_jump_on_water(const MpmSettings<dim>& settings, const Vector<dim>& g
 
 // Surfaces are where they are at time 0, without forces of stress as yet.
 template <int dim>
-void SoilStep<dim>::begin_at_rest(const Vector<dim>& gravity) {
+void SoilStep<dim>::begin_at_rest(const Vector<dim>& gravity, double deepest_row) {
   if (phase().rigid_walls) state_.surfaces.keep_walls(*phase().rigid_walls);
   map_soil();
   if (state_.surfaces.contacts().empty()) return;
@@ -85,9 +84,7 @@ void SoilStep<dim>::begin_at_rest(const Vector<dim>& gravity) {
   state_.surfaces.receive({});
   state_.surfaces.move_walls(0);
   auto rest = soil_at_rest<dim>(model_.settings, gravity, state_.points.body_ids);
-  rest.is_stressed = std::ranges::any_of(model_.settings.initial_stress,
-                                         [](const auto& stress) { return stress.has_value(); });
-  if (!rest.is_stressed) rest.deepest_row = deepest_uneven_row(model_.settings);
+  rest.deepest_row = deepest_row;
   state_.surfaces.begin_at_rest(rest);
   state_.ledger.set_contact_energy(state_.surfaces.energy());
 }
@@ -102,16 +99,17 @@ void SoilStep<dim>::check_initial_stress() {
   }
   const Vector<dim> gravity = phase().gravity_ramp.at(0) * model_.settings.gravity;
   if (!strictest) {  // soil may move: nothing is looked for along its path
-    start_ = {.dt = 0, .with_inertia = false};
-    const double deepest = deepest_uneven_row(model_.settings);
-    if (state_.surfaces.contacts().empty() || deepest == 0) return;
+    if (state_.surfaces.contacts().empty()) return;
+    const double deepest = deepest_row_to_reach(model_.settings);
+    if (deepest == 0) return;
     warn_of_deep_rows(deepest, model_.cell_size);
-    begin_at_rest(gravity);
+    start_ = {.dt = 0, .with_inertia = false};
+    begin_at_rest(gravity, deepest);
     return;
   }
   start_ = {.dt = 1, .with_inertia = false};
   refuse_jump_on_water(model_.settings, gravity, strictest->where);
-  begin_at_rest(gravity);
+  begin_at_rest(gravity, std::numeric_limits<double>::infinity());
   begin_surfaces();
   const std::vector<double> du = implicit_->settlement(start_, gravity, strictest->where);
   state_.wall_forces = forces_on_walls(*implicit_);

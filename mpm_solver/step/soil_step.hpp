@@ -70,7 +70,7 @@ class SoilStep {
  private:
   StepMethod<dim>& method_of(const Phase& phase);
   void enter_phase(const StepRequest& request);
-  void begin_at_rest(const Vector<dim>& gravity);
+  void begin_at_rest(const Vector<dim>& gravity, double deepest_row);
   SoilSurface<dim> surface_of_soil() const;
   void map_soil();
   void begin_surfaces();

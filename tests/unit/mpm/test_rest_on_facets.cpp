@@ -246,6 +246,49 @@ TEST(RestOnFacets, soil_in_cells_of_any_width_takes_its_weight) {
   }
 }
 
+/// A body free of stress beside one under stress; the wall at its side overlaps it.
+Json beside_stressed_soil(int columns, double overlap) {
+  const int rows = 64 / columns;
+  const double width = 1.0 / columns, height = 1.0 / rows;
+  const Json sand = elastic_soil("hencky_elastic", 1e7, 0.3, density);
+  Json json = {{"dimension", 2},
+               {"analysis", "quasi_static"},
+               {"grid", box({0, 0}, {3 + width, 1 + height}, {3 * columns + 1, rows + 1}, "quad4")},
+               {"gravity", {0, -g}},
+               {"walls", {wall("left", "slip"), wall("bottom", "slip")}},
+               {"newton", exact_newton},
+               {"bodies",
+                {body("rests", box({0, 0}, {1, 1}, {columns, rows}, "quad4"), 4, sand),
+                 body("laid", box({2, 0}, {3, 1}, {columns, rows}, "quad4"), 4, sand)}}};
+  json["bodies"][0]["initial_stress"] = {
+      {"k0", 0.3 / 0.7}, {"surface", 1}, {"max_displacement", 1}};
+  const auto add_wall = [&](const char* name, double x, double from, double to) {
+    json["rigid_walls"].push_back(
+        {{"name", name},
+         {"surface", {{"polyline", {{x, from}, {x, to}}}, {"spacing", 0.1}}},
+         {"mode", "slip"}});
+  };
+  add_wall("rests", 1, 1.2, -0.2);
+  add_wall("before", 2, -0.2, 1.2);
+  add_wall("behind", 3 - overlap, 1.2, -0.2);
+  return json;
+}
+
+/// An overlap by rounding changes the thrust of soil that begins free of stress by as little,
+/// also where other soil begins under stress.
+TEST(RestOnFacets, soil_free_of_stress_beside_stressed_soil) {
+  for (const int columns : {8, 4}) {
+    const auto thrust = [&](double overlap) {
+      const auto solver = make_mpm(beside_stressed_soil(columns, overlap));
+      run_steps(*solver, 1, 3);
+      return probe(*solver, "behind.fx");
+    };
+    const double exact = thrust(0);
+    EXPECT_GT(exact, 3500) << columns;
+    EXPECT_NEAR(thrust(1e-11), exact, 1e-5 * exact) << columns;
+  }
+}
+
 /// Soil that lies farther from the surface than it was laid does not touch it, and neither does
 /// soil without initial stress.
 TEST(RestOnFacets, only_stressed_soil_that_touches) {
