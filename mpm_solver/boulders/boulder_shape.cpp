@@ -13,6 +13,7 @@
 #include <numbers>
 
 #include "common/base/error.hpp"
+#include "mpm_solver/boulders/polygon.hpp"
 #include "mpm_solver/contact/surface_features.hpp"
 
 namespace gabion::mpm {
@@ -198,24 +199,11 @@ void require_closed(const ContactSurface<3>& surface) {
 }
 
 void require_closed(const ContactSurface<2>& surface) {
-  const std::size_t n = surface.facets.size() / 2;
-  const auto corner = [&](std::size_t k) -> const Vector<2>& {
-    return surface.vertices[surface.facets[2 * (k % n)]];
-  };
-  const auto side = [](const Vector<2>& a, const Vector<2>& b, const Vector<2>& c) {
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-  };
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = i + 2; j < n; ++j) {
-      if (i == 0 && j == n - 1) continue;
-      const Vector<2>&a = corner(i), &b = corner(i + 1), &c = corner(j), &d = corner(j + 1);
-      if (side(a, b, c) * side(a, b, d) > 0 || side(c, d, a) * side(c, d, b) > 0) continue;
-      throw ConfigError(fmt::format(
-          "found sides {} and {} that meet, from ({}, {}) and from ({}, {}), allowed: a polygon "
-          "that does not cross itself",
-          i, j, a[0], a[1], c[0], c[1]));
-    }
+  Polygon corners;
+  for (std::size_t f = 0; f < surface.facets.size(); f += 2) {
+    corners.push_back(surface.vertices[surface.facets[f]]);
   }
+  require_simple(corners);
 }
 
 // d^n of X over the simplex of the origin and a facet: volume, first and second moments.

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/base/error.hpp"
 #include "common/base/log.hpp"
 #include "mpm_solver/boulders/boulder_law_config.hpp"
+#include "mpm_solver/boulders/polygon.hpp"
 #include "mpm_solver/boulders/random_places.hpp"
 
 namespace gabion::mpm {
@@ -109,10 +111,15 @@ SizeDistribution read_sizes(ConfigReader in) {
 
 template <int dim>
 void read_polygon(ConfigReader& in, RandomRegion<dim>& region) {
-  for (const auto& row : in.rows("polygon", 2)) region.polygon.push_back({row[0], row[1]});
-  for (const auto& corner : region.polygon) {
+  for (const auto& row : in.rows("polygon", 2)) region.polygon.emplace_back(row[0], row[1]);
+  try {
+    require_simple(region.polygon);
+  } catch (const ConfigError& error) {
+    in.fail("polygon", error.what());
+  }
+  for (const Vector<2>& corner : region.polygon) {
     Vector<dim> x = Vector<dim>::Zero();
-    x.template head<2>() = Vector<2>(corner[0], corner[1]);
+    x.template head<2>() = corner;
     region.box.extend(x);
   }
   if (dim == 2) {

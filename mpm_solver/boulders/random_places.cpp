@@ -12,46 +12,10 @@
 
 namespace gabion::mpm {
 
-namespace {
-
-using Corner = std::array<double, 2>;
-
-double cross(const Corner& a, const Corner& b, const Corner& c) {
-  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
-// A ray along x meets an odd number of sides.
-bool is_inside(const std::vector<Corner>& polygon, const Corner& x) {
-  bool inside = false;
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Corner &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
-    if ((a[1] > x[1]) == (b[1] > x[1])) continue;
-    if ((cross(a, b, x) > 0) == (b[1] > a[1])) inside = !inside;
-  }
-  return inside;
-}
-
-double distance_to(const std::vector<Corner>& polygon, const Corner& x) {
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Corner &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
-    const std::array<Vector<2>, 2> side = {Vector<2>(a[0], a[1]), Vector<2>(b[0], b[1])};
-    const Vector<2> y(x[0], x[1]);
-    least = std::min(least, (y - closest_place<2>(side, y).x).norm());
-  }
-  return least;
-}
-
-}  // namespace
-
 template <int dim>
 double RandomRegion<dim>::volume() const {
   if (polygon.empty()) return box.sizes().prod();
-  double twice = 0;
-  for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
-    twice += cross(polygon[0], polygon[k], polygon[k + 1]);
-  }
-  return 0.5 * std::abs(twice) * (dim == 3 ? box.sizes()[dim - 1] : 1);
+  return std::abs(signed_area(polygon)) * (dim == 3 ? box.sizes()[dim - 1] : 1);
 }
 
 template <int dim>
@@ -59,7 +23,7 @@ bool RandomRegion<dim>::holds(const Vector<dim>& centre, double radius) const {
   const Vector<dim> low = centre.array() - radius, high = centre.array() + radius;
   if (!box.contains(low) || !box.contains(high)) return false;
   if (polygon.empty()) return true;
-  const Corner x = {centre[0], centre[1]};
+  const Vector<2> x = centre.template head<2>();
   return is_inside(polygon, x) && distance_to(polygon, x) >= radius;
 }
 

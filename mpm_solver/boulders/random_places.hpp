@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
 #include "mpm_solver/boulders/boulders.hpp"
+#include "mpm_solver/boulders/polygon.hpp"
 #include "mpm_solver/boulders/random_sizes.hpp"
 #include "mpm_solver/contact/sided_surface.hpp"
 
@@ -15,8 +15,8 @@ namespace gabion::mpm {
 /// between two heights.
 template <int dim>
 struct RandomRegion {
-  Eigen::AlignedBox<double, dim> box;          ///< it, or that around the polygon [m]
-  std::vector<std::array<double, 2>> polygon;  ///< corners in either order, empty: the box [m]
+  Eigen::AlignedBox<double, dim> box;  ///< it, or that around the polygon [m]
+  Polygon polygon;                     ///< in either direction, empty: the box
 
   double volume() const;  ///< 2D: area
   /// Whether a ball lies in it.

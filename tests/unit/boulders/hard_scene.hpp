@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -91,6 +92,22 @@ inline Vector<3> on_slope(int dim, double degrees) {
   Vector<3> gravity(g * std::sin(angle), 0, 0);
   gravity[dim - 1] = -g * std::cos(angle);
   return gravity;
+}
+
+/// Three discs, the lower ones just apart: each has the normal force m g / (2 cos 30) of the upper
+/// one; they stand with friction of at least tan 15 between them, tan(15) / 3 below.
+/// @returns  largest speed after 3 s over sqrt(g R)
+inline double pyramid_speed(double friction) {
+  const double R = 0.5, gap = 1e-4;
+  const std::vector<HardBody> bodies(3, hard_body(ball_shape<2>(R, 2650), {.friction = friction}));
+  Scene scene(2, bodies, on_slope(2, 0), {ground(2)});
+  scene.now.states[0].x = {-R - gap, R, 0};
+  scene.now.states[1].x = {R + gap, R, 0};
+  scene.now.states[2].x = {0, R + std::sqrt(4 * R * R - std::pow(R + gap, 2)), 0};
+  scene.run(3);
+  double speed = 0;
+  for (const BodyState& s : scene.now.states) speed = std::max(speed, s.v.norm());
+  return speed / std::sqrt(g * R);
 }
 
 }  // namespace gabion::mpm

@@ -181,6 +181,8 @@ TEST(RandomBoulders, bad_input) {
   expect_refused(with("shape", "cone"), {"/random_boulders/0/shape", "cone"});
   expect_refused(with("region", {{"low", {1, 1}}, {"high", {1, 2}}}),
                  {"/random_boulders/0/region/high", "without volume"});
+  expect_refused(with("region", {{"polygon", {{1, 1}, {3, 3}, {3, 1}, {1, 3}}}}),
+                 {"/random_boulders/0/region/polygon", "sides 0 and 2 that meet"});
   expect_refused(with("soil_inside", "drop"), {"/random_boulders/0/soil_inside", "drop", "remove"});
   Json twice = field(2, random_rocks(2));
   twice["boulders"] = {{{"name", "rock_3"},
