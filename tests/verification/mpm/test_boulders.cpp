@@ -154,5 +154,33 @@ TEST(VB12_RollingEllipse, gains_no_energy) {
           most / (body.mass.mass * g * 0.6), 1e-10, "");
 }
 
+/// A sphere hits a wall head on: a spring of the force stiffness d^2 has its peak at the depth
+/// (3 m v^2 / (2 stiffness))^(1/3), so that it grows by v^(4/3); the impulse is m (1 + e) v.
+TEST(VB11_Impact, peak_and_impulse_of_a_sphere_at_a_wall) {
+  for (const double speed : {1.0, 4.0, 16.0}) {
+    for (const double restitution : {1.0, 0.5}) {
+      const HardBody body =
+          hard_body(ball_shape<3>(0.5, 2650), {.friction = 0, .restitution = restitution});
+      Scene scene(3, {body}, Vector<3>::Zero(), {ground(3)});
+      scene.now.states[0].x = {0, 0, 0.5};
+      scene.now.states[0].v = {0, 0, -speed};
+      const double mass = body.mass.mass, k = body.law.stiffness;
+      const double depth = std::cbrt(1.5 * mass * speed * speed / k), peak = k * depth * depth;
+      scene.step.dt = 0.002 * depth / speed;
+      double most = 0;
+      for (int n = 0; n < 5000 && (n == 0 || scene.now.states[0].x[2] < 0.5); ++n) {
+        const double before = scene.now.states[0].v[2];
+        scene.advance();
+        most = std::max(most, mass * (scene.now.states[0].v[2] - before) / scene.step.dt);
+      }
+      const auto what =
+          fmt::format("sphere of {} m/s at a wall, restitution {}: ", speed, restitution);
+      row("VB11", what + "peak of the force", peak, most, 1e-3, "N");
+      row("VB11", what + "impulse", mass * (1 + restitution) * speed,
+          mass * (scene.now.states[0].v[2] + speed), 1e-3, "N s");
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gabion::mpm
