@@ -37,6 +37,9 @@ class Refusals(ScriptCase):
         for scene in ("configs/nothing", "README.md", str(ROOT / "configs/granular_obstacle")):
             self.expect_refusal("trixie", "--scene", scene, words="allowed: a folder of the checkout")
         self.expect_refusal("trixie", "--programs", "--target", "coupler", words="one of them")
+        self.expect_refusal("trixie", "--package", self.folder / "none.deb", words="found no file")
+        package = self.write("gabion.deb", "")
+        self.expect_refusal("trixie", "--package", package, "--programs", words="allowed with --root, --mirror")
 
     def test_help_names_the_releases(self) -> None:
         said = self.script("test_on", "--help").stdout
