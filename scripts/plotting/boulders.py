@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plotting.contact import chain, contact_series
+from plotting.contact import chain
 from plotting.results import Results, Series, Table
 from plotting.style import COLOURS, legend_beside, new_figure, save
 
@@ -18,12 +18,8 @@ class Boulders:
     """Positions of the surfaces of the boulders."""
 
     def __init__(self, results: Results):
-        settings = results.settings("mpm.json")
-        names = [boulder["name"] for boulder in settings.get("boulders", [])]
-        drawn = [group["name"] for group in settings.get("random_boulders", [])]
-        series = contact_series(results) if names or drawn else {}
-        names += [name for name in series if name.rpartition("_")[0] in drawn and name.rpartition("_")[2].isdigit()]
-        self._series: list[Series] = [series[name] for name in names if name in series]
+        series, names = results.contacts, results.boulders
+        self._series: list[Series] = [series[name] for name in names]
         self._plane = results.dim == 2
 
     def at(self, time: float) -> list[np.ndarray]:

@@ -18,7 +18,7 @@ STEEP = 0.99  # sine of the least inclination of what counts as upright
 
 
 def contact_series(results: Results) -> dict[str, Series]:
-    """Name of the interface or wall -> its frames."""
+    """Name of the interface, wall or boulder -> its frames."""
     return results.contacts
 
 
@@ -148,5 +148,7 @@ def plot_contact(results: Results, name: str, series: Series, times: list[float]
 
 
 def plot_contacts(results: Results, times: list[float] | None, out: Path) -> list[Path | None]:
+    """Of interfaces and rigid walls; boulders have a picture of their own."""
+    boulders = set(results.boulders)
     return [plot_contact(results, name, series, times, out)
-            for name, series in contact_series(results).items()]
+            for name, series in contact_series(results).items() if name not in boulders]

@@ -202,9 +202,19 @@ class Results:
 
     @property
     def contacts(self) -> dict[str, Series]:
-        """Name of an interface or rigid wall -> its frames, with the pressure of the soil on its facets."""
+        """Name of an interface, rigid wall or boulder -> its frames, with the pressure of the soil on its facets."""
         paths = sorted(self.folder.glob(f"mpm/{CONTACT}*.xdmf"))
         return {path.stem.removeprefix(CONTACT): Series(path) for path in paths}
+
+    @property
+    def boulders(self) -> list[str]:
+        """Those of `contacts` that are boulders, in the order of the settings, drawn ones behind."""
+        settings = self.settings("mpm.json")
+        names = [boulder["name"] for boulder in settings.get("boulders", [])]
+        drawn = [group["name"] for group in settings.get("random_boulders", [])]
+        series = self.contacts if names or drawn else {}
+        names += [name for name in series if name.rpartition("_")[0] in drawn and name.rpartition("_")[2].isdigit()]
+        return [name for name in names if name in series]
 
     @property
     def structures(self) -> list[Series]:

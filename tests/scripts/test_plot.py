@@ -530,6 +530,19 @@ class Curves(ScriptCase):
         np.testing.assert_allclose(speed[0].get_ydata(), np.hypot(2, 3))
         self.assertIsNone(boulders.plot_boulders(Results(made_up.write_results(self.folder / "none")), self.folder))
 
+    def test_surfaces_of_boulders_have_no_picture_of_pressure(self) -> None:
+        made_up.write_results(self.folder)
+        for name in ("wall", "stone", "rock_1", "rock_12", "rock_bed"):
+            (self.folder / "mpm" / f"contact_{name}.xdmf").touch()
+        run = Results(self.folder)
+        settings = {"boulders": [{"name": "stone"}, {"name": "unseen"}], "random_boulders": [{"name": "rock"}]}
+        with mock.patch.object(Results, "settings", return_value=settings), \
+                mock.patch("plotting.results.Series"), \
+                mock.patch.object(contact, "plot_contact", side_effect=lambda _, name, *__: name):
+            self.assertEqual(run.boulders, ["stone", "rock_1", "rock_12"])
+            self.assertEqual(set(contact.plot_contacts(run, None, self.folder)) & {"stone", "rock_1", "rock_12"}, set())
+            self.assertLessEqual({"wall", "rock_bed"}, set(contact.plot_contacts(run, None, self.folder)))
+
     def test_parts_of_boulders_stand_beside_the_force(self) -> None:
         names = ["time", "soil.rock_1.qw", "soil.rock_1.kinetic_energy", "soil.boulders_kinetic_energy", "soil.lid.fx",
                  "soil.lid.mz", "soil.wall.boulders_fx", "soil.wall.boulders_fy", "soil.lid.boulders_fx"]
