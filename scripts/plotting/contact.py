@@ -148,7 +148,5 @@ def plot_contact(results: Results, name: str, series: Series, times: list[float]
 
 
 def plot_contacts(results: Results, times: list[float] | None, out: Path) -> list[Path | None]:
-    """Of interfaces and rigid walls; boulders have a picture of their own."""
-    boulders = set(results.boulders)
-    return [plot_contact(results, name, series, times, out)
-            for name, series in contact_series(results).items() if name not in boulders]
+    """Boulders have a picture of their own."""
+    return [plot_contact(results, name, series, times, out) for name, series in results.surfaces.items()]

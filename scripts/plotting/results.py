@@ -217,6 +217,12 @@ class Results:
         return [name for name in names if name in series]
 
     @property
+    def surfaces(self) -> dict[str, Series]:
+        """Those of `contacts` that are interfaces or rigid walls."""
+        boulders = set(self.boulders)
+        return {name: series for name, series in self.contacts.items() if name not in boulders}
+
+    @property
     def structures(self) -> list[Series]:
         """Results of each fem_solver, in the order of their folders."""
         return [Series(path) for path in sorted(self.folder.glob("*/structure.xdmf"))]

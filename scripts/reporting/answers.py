@@ -4,7 +4,7 @@ stability."""
 
 import numpy as np
 
-from plotting.history import FORCES, displacement_columns, is_rigid_wall, probe_points
+from plotting.history import FORCES, boulder_parts, displacement_columns, is_rigid_wall, probe_points
 from plotting.results import Results, Table, gauge_names
 from plotting.view import AXES, up_axis
 
@@ -15,8 +15,8 @@ Row = tuple[str, str]  # what is asked, answer
 
 def answers(results: Results) -> list[Row]:
     """Rows in the order in which they are asked; what a run does not have is left out."""
-    return [*displacements(results), *forces(results), *base_moments(results), *pressures(results), *gauges(results),
-            *stability(results)]
+    return [*displacements(results), *forces(results), *boulder_forces(results), *base_moments(results),
+            *pressures(results), *gauges(results), *stability(results)]
 
 
 def number(value: float, unit: str) -> str:
@@ -64,6 +64,21 @@ def forces(results: Results) -> list[Row]:
             where = column.rpartition(".")[0] or "the structure"
             impulse = float(np.nansum(table[column] * table["dt"]))
             rows.append((f"force on {where}, {column[-1]}", f"{text}; impulse {number(impulse, f'N s{unit}')}"))
+    return rows
+
+
+def boulder_forces(results: Results) -> list[Row]:
+    """What boulders have of the force on each interface, with their impulse."""
+    table, unit = results.table("probes.csv"), results.per_metre
+    rows = []
+    for column in boulder_parts(table):
+        surface, _, part = column.rpartition(".")
+        text = peak(table["time"], table[column], f"N{unit}")
+        if not text or is_wall_of(table, surface.rpartition(".")[2]):
+            continue
+        impulse = float(np.nansum(table[column] * np.diff(table["time"], prepend=0)))
+        rows.append((f"force of boulders on {surface.rpartition('.')[2]}, {part[-1]}",
+                     f"{text}; impulse {number(impulse, f'N s{unit}')}"))
     return rows
 
 

@@ -71,7 +71,7 @@ def foot_of(frame: Frame, up: int, dim: int) -> np.ndarray:
 
 def moments(results: Results) -> list[tuple[str, np.ndarray, Table | np.ndarray, np.ndarray]]:
     """Surface, time, moment about its own foot, the foot; of surfaces with frames and any moment."""
-    up, contacts, found = up_axis(results.dim, results.gravity), results.contacts, []
+    up, contacts, found = up_axis(results.dim, results.gravity), results.surfaces, []
     for loads in all_loads(results):
         if loads.name not in contacts or not len(contacts[loads.name]):
             continue
@@ -135,6 +135,6 @@ def faces_of(name: str, series: Series, dim: int, up: int) -> list[Face]:
 def touched_faces(results: Results) -> list[Face]:
     """Faces of interfaces and rigid walls that soil pressed on."""
     up = up_axis(results.dim, results.gravity)
-    faces = [face for name, series in results.contacts.items() if len(series)
+    faces = [face for name, series in results.surfaces.items() if len(series)
              for face in faces_of(name, series, results.dim, up)]
     return [face for face in faces if np.nanmax(face.pressure, initial=0) > 0]

@@ -9,7 +9,7 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
-from made_up_results import AMPLITUDE, CONTACT, END, FORCE, write_results
+from made_up_results import AMPLITUDE, CONTACT, END, FORCE, write_results, write_table
 from script_case import ScriptCase
 
 from plotting.results import Frame, Results
@@ -116,6 +116,22 @@ class Answers(ScriptCase):
         self.assertEqual(drawn["pressure-wall-x"]["label"], "height above its foot [m]")
         self.assertEqual(drawn["pressure-wall-x"]["curves"][0]["y"], [8000, 2])
         self.assertAlmostEqual(drawn["moment-wall"]["curves"][0]["y"][-1], -1.5 * FORCE)
+
+    def test_boulders_are_a_part_of_the_force_and_no_surface(self) -> None:
+        names = ["time", "soil.rock_1.qw", "soil.bed.fx", "soil.bed.mz", "soil.bed.boulders_fx",
+                 "soil.wall.boulders_fx", "soil.wall.boulders_fy"]
+        write_table(self.folder / "probes.csv", names, [[0, 1, 0, 0, 0, 0, 0], [0.5, 1, 0, 0, 7, 8, 0],
+                                                        [0.75, 1, 0, 0, 7, 4, 0]])
+        run = Results(self.folder)
+        frames = Frames(*WALL, [[0] * 4, [1, 0, 2, 8e3]])
+        with mock.patch.object(Results, "contacts", {"wall": frames, "rock_1": frames, "stone": frames}), \
+                mock.patch.object(Results, "settings", return_value={"boulders": [{"name": "stone"}],
+                                                                     "random_boulders": [{"name": "rock"}]}):
+            found = by_question(run)
+        self.assertEqual([each for each in found if "boulders" in each], ["force of boulders on wall, x"])
+        self.assertEqual(found["force of boulders on wall, x"], "8 N/m at 0.5 s; at the end 4 N/m; impulse 5 N s/m")
+        self.assertEqual([each for each in found if "pressure" in each],
+                         ["largest pressure on wall, side +x", "largest pressure on wall, side -x"])
 
     def test_stability_of_a_footing(self) -> None:
         folder = self.write("run/probes.csv",
