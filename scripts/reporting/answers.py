@@ -2,21 +2,28 @@
 """What is asked of a run first, as numbers: displacements, forces, moments, pressures, run-up, passed mass,
 stability."""
 
+import re
+
 import numpy as np
 
-from plotting.history import FORCES, boulder_parts, displacement_columns, is_rigid_wall, probe_points
+from plotting.history import FORCES, SECTION, boulder_parts, displacement_columns, is_rigid_wall, probe_points
 from plotting.results import Results, Table, gauge_names
 from plotting.view import AXES, up_axis
 
 from .surfaces import moments, touched_faces
 
+# Columns of fem_solver about lines and metal, what they are called and their units.
+MEMBERS = {"axial_max": ("largest axial force in the lines of", "N"),
+           "axial_min": ("least axial force in the lines of", "N"),
+           "brake_run": ("largest run of a brake of", "m"), "plastic_strain": ("largest plastic strain of", "")}
+MEMBER = re.compile(rf"(?P<of>{'|'.join(MEMBERS)})(?P<group>(?:_.+)?)$")
 Row = tuple[str, str]  # what is asked, answer
 
 
 def answers(results: Results) -> list[Row]:
     """Rows in the order in which they are asked; what a run does not have is left out."""
     return [*displacements(results), *forces(results), *boulder_forces(results), *base_moments(results),
-            *pressures(results), *gauges(results), *stability(results)]
+            *pressures(results), *members(results), *gauges(results), *stability(results)]
 
 
 def number(value: float, unit: str) -> str:
@@ -120,6 +127,27 @@ def pressures(results: Results) -> list[Row]:
         touched = np.flatnonzero((face.pressure > 0).any(axis=0))[-1]
         rows.append((f"run-up on {where}", f"{face.height[touched]:.4g} m above its foot: the highest facets that soil "
                      f"pressed on; the face ends at {face.height[-1]:.4g} m"))
+    return rows
+
+
+def members(results: Results) -> list[Row]:
+    """What is asked of sections, ropes, brakes and metal of a structure, over all steps."""
+    table, unit, rows = results.table("probes.csv"), results.per_metre, []
+    for column in table.names if table is not None and table.num_rows else []:
+        part = column.rpartition(".")[2]
+        if SECTION.search(column):
+            section, is_moment = column.rpartition(".")[0], part.startswith("M_")
+            asked = f"{'moment' if is_moment else 'force'} in section {section}, {part}"
+            of = f"N{' m' * is_moment}{unit}"
+        elif (found := MEMBER.match(part)) and (found["of"] != "axial_min" or np.nanmin(table[column]) < 0):
+            words, of = MEMBERS[found["of"]]
+            where = column.removesuffix(part).removesuffix(".") or "the structure"
+            asked = f"{words} {found['group'].removeprefix('_') or where}"
+        else:
+            continue
+        text = peak(table["time"], table[column], of)
+        if text:
+            rows.append((asked, text))
     return rows
 
 

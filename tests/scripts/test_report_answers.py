@@ -133,6 +133,20 @@ class Answers(ScriptCase):
         self.assertEqual([each for each in found if "pressure" in each],
                          ["largest pressure on wall, side +x", "largest pressure on wall, side -x"])
 
+    def test_members(self) -> None:
+        names = ["time", "wall.foot.N", "wall.foot.M_z", "wall.plastic_strain", "wall.plastic_strain_posts",
+                 "net.axial_max_top_rope", "net.axial_min_top_rope", "net.axial_min_posts", "net.brake_run_top_rope"]
+        write_table(self.folder / "probes.csv", names, [[0] * 9, [1, -2, 30, 0.01, 0.01, 5e4, 7, -3e3, 0.25],
+                                                        [2, 1, 10, 0.01, 0, 1e4, 2, -1e3, 0.25]])
+        self.assertEqual(by_question(Results(self.folder)), {
+            "force in section wall.foot, N": "-2 N/m at 1 s; at the end 1 N/m",
+            "moment in section wall.foot, M_z": "30 N m/m at 1 s; at the end 10 N m/m",
+            "largest plastic strain of wall": "0.01 at 1 s; at the end 0.01",
+            "largest plastic strain of posts": "0.01 at 1 s; at the end 0",
+            "largest axial force in the lines of top_rope": "5e+04 N at 1 s; at the end 1e+04 N",
+            "least axial force in the lines of posts": "-3000 N at 1 s; at the end -1000 N",
+            "largest run of a brake of top_rope": "0.25 m at 1 s; at the end 0.25 m"})
+
     def test_stability_of_a_footing(self) -> None:
         folder = self.write("run/probes.csv",
                             "time,structure.reaction_foot_x,structure.reaction_foot_y,structure.moment_foot_z\n"
