@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Newtonian fluid: at rest, between walls, down a slope, in a tank.
+// Newtonian fluid: at rest, between walls, down a slope, in a tank, over a dry bed.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -231,6 +232,60 @@ TEST(Fluid, film_starts_down_a_slope) {
           .computed = mean_speed(depth / 2 - h, depth / 2 + h),
           .bound = 0.02,
           .unit = "m/s"});
+}
+
+/// A reservoir of depth h is let go on a dry bed: in shallow water what passes the place of the
+/// gate is 8/27 h c a second, c = sqrt(g h), the depth stays 4/9 h there, and the front has 2 c
+/// (Ritter 1892). Water that is not shallow at the start comes to it as 1 / t.
+TEST(Fluid, breaks_out_as_shallow_water) {
+  constexpr double h = 0.5, cell = h / 10, length = 12 * h, dry = 22 * h, dt = 2e-3;
+  const double c = std::sqrt(g * h), time = 10 * h / c;
+  const auto rows = [](double size) { return static_cast<int>(std::lround(size / cell)); };
+  Json water = body("water", box({0, 0}, {length, h}, {rows(length), rows(h)}, "quad4"), 4,
+                    fluid(1000, 10 * c, 0));
+  water["initial_stress"] = {{"k0", 1}, {"surface", h}, {"max_displacement", 1e9}};
+  const auto solver = mpm_solver<2>(
+      {{"dimension", 2},
+       {"grid", box({0, 0}, {length + dry, 1.4 * h}, {rows(length + dry), rows(1.4 * h)}, "quad4")},
+       {"walls", {wall("left", "slip"), wall("bottom", "slip"), wall("right", "slip")}},
+       {"gravity", {0, -g}},
+       {"time_integration", {{"scheme", "explicit"}}},
+       {"step_control", {{"strain", nullptr}}},
+       {"bodies", {water}}});
+  const int steps = static_cast<int>(std::lround(time / dt));
+  run_steps(*solver, dt, steps);
+  const auto& points = solver->points();
+  const double way = c * steps * dt, around = 0.15 * way;
+  double passed = 0, at_gate = 0, front = 0;
+  for (std::size_t p = 0; p < points.x.size(); ++p) {
+    const double x = points.x[p][0] - length, volume = points.V0[p] * points.J[p];
+    if (x > 0) passed += volume;
+    if (std::abs(x) < around) at_gate += volume / (2 * around);
+    front = std::max(front, x);
+  }
+  const std::string what = "dam break on a dry bed, 10 cells, after 10 sqrt(h / g): ";
+  const std::string limitation = "water that is not shallow at the start";
+  verify({.id = "fluid",
+          .what = what + "volume past the gate",
+          .exact = 8. / 27 * h * way,
+          .computed = passed,
+          .bound = 0.03,
+          .unit = "m^2",
+          .limitation = limitation});
+  verify({.id = "fluid",
+          .what = what + "depth at the gate",
+          .exact = 4. / 9 * h,
+          .computed = at_gate,
+          .bound = 0.03,
+          .unit = "m",
+          .limitation = limitation});
+  verify({.id = "fluid",
+          .what = what + "front",
+          .exact = 2 * way,
+          .computed = front,
+          .bound = 0.1,
+          .unit = "m",
+          .limitation = limitation});
 }
 
 }  // namespace
