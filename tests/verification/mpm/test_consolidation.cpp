@@ -128,7 +128,7 @@ void compare(const std::string& id, const Column& column, const std::vector<Tabl
             .what = what + "settlement",
             .exact = row.settlement,
             .computed = now.settlement,
-            .bound = 2 * bound,
+            .bound = 0.01,
             .unit = "m"});
   }
 }
@@ -153,12 +153,12 @@ TEST(VW1_LargeStrainConsolidation, column_under_a_load) {
     compare("VW1", column,
             {table(100, {.865866, .671266, .361134}, .068634),
              table(500, {.186783, .141914, .076094}, .139245)},
-            q, 0.01);
+            q, column.basis == "gimp" ? 0.01 : 0.02);
     column.law = "kozeny_carman";
     compare("VW1", column,
             {table(100, {.933036, .809904, .531824}, .051345),
              table(500, {.470261, .375703, .217798}, .110923)},
-            q, 0.01);
+            q, column.basis == "gimp" ? 0.01 : 0.02);
   }
 }
 
@@ -202,7 +202,7 @@ struct Mandel {
       double low = i * M_PI + 1e-9, high = i * M_PI + M_PI / 2 - 1e-9;
       for (int k = 0; k < 200; ++k) {
         const double x = 0.5 * (low + high);
-        (std::sin(x) < eta * x * std::cos(x) ? low : high) = x;
+        (std::tan(x) < eta * x ? low : high) = x;
       }
       roots.push_back(0.5 * (low + high));
     }
@@ -228,7 +228,7 @@ struct Mandel {
 };
 
 /// The plate goes down as the closed form has it, so the force is a result.
-void press(const std::string& basis, double offset, double bound) {
+void press(const std::string& basis, double offset) {
   const Mandel mandel;
   const int cells = 10;
   const double h = 1.0 / cells, height = 2 * h;
@@ -275,23 +275,23 @@ void press(const std::string& basis, double offset, double bound) {
           .exact = 0,
           .computed = pressure_error,
           .measure = Measure::absolute_error,
-          .bound = bound});
+          .bound = basis == "bspline" && offset == 0 ? 0.05 : 0.025});
   verify({.id = "VW3",
           .what = what + ": largest error of the force on the plate",
           .exact = 0,
           .computed = force_error,
           .measure = Measure::absolute_error,
-          .bound = bound});
+          .bound = 0.005});
   verify({.id = "VW3",
           .what = what + ": largest pressure in the middle",
           .exact = 1.106896,
           .computed = largest,
-          .bound = bound});
+          .bound = 0.01});
 }
 
 TEST(VW3_Mandel, strip_that_drains_through_its_free_side) {
   for (const char* basis : {"gimp", "bspline"}) {
-    for (const double offset : {0.0, 1.0 / 3, 0.5}) press(basis, offset, 0.02);
+    for (const double offset : {0.0, 1.0 / 3, 0.5}) press(basis, offset);
   }
 }
 
