@@ -30,13 +30,13 @@ class Search {
     list_walls();
   }
 
-  void add_points_of(std::int32_t body, std::vector<SurfacePoint<dim>>& found) const {
+  void add_points_of(std::int32_t body, std::vector<OuterPoint<dim>>& found) const {
     const auto& points = parts_.points;
     for (std::int32_t p = points.body_starts[body]; p < points.body_starts[body + 1]; ++p) {
       if (!near_border(points.cell[p])) continue;
       const Vector<dim> n = normal(p);
       if (meets_point(p, n) || meets_wall(p, n)) continue;
-      const SurfacePoint<dim> point = at_surface(p, n);
+      const OuterPoint<dim> point = at_surface(p, n);
       if (!meets_surface(point)) found.push_back(point);
     }
   }
@@ -184,8 +184,8 @@ class Search {
     return false;
   }
 
-  SurfacePoint<dim> at_surface(std::int32_t p, const Vector<dim>& lattice_normal) const {
-    SurfacePoint<dim> point{.point = p, .n = lattice_normal.cwiseQuotient(box_.spacing)};
+  OuterPoint<dim> at_surface(std::int32_t p, const Vector<dim>& lattice_normal) const {
+    OuterPoint<dim> point{.point = p, .n = lattice_normal.cwiseQuotient(box_.spacing)};
     point.n.normalize();
     const Vector<dim> sides = side(p) * box_.spacing;
     // Points of Gauss's rule lie nearer to the side of their cell than half of what they fill.
@@ -196,7 +196,7 @@ class Search {
     return point;
   }
 
-  bool meets_surface(const SurfacePoint<dim>& point) const {
+  bool meets_surface(const OuterPoint<dim>& point) const {
     if (!parts_.surfaces) return false;
     const Vector<dim>& x = parts_.points.x[point.point];
     return parts_.surfaces->is_behind(x + 2 * point.R * point.n, x);
@@ -212,17 +212,17 @@ class Search {
 }  // namespace
 
 template <int dim>
-std::vector<SurfacePoint<dim>> find_free_surface(const SurroundingsOfSoil<dim>& parts,
-                                                 std::span<const std::int32_t> bodies) {
+std::vector<OuterPoint<dim>> find_free_surface(const SurroundingsOfSoil<dim>& parts,
+                                               std::span<const std::int32_t> bodies) {
   const Search<dim> search(parts);
-  std::vector<SurfacePoint<dim>> found;
+  std::vector<OuterPoint<dim>> found;
   for (const std::int32_t body : bodies) search.add_points_of(body, found);
   return found;
 }
 
-template std::vector<SurfacePoint<2>> find_free_surface<2>(const SurroundingsOfSoil<2>&,
-                                                           std::span<const std::int32_t>);
-template std::vector<SurfacePoint<3>> find_free_surface<3>(const SurroundingsOfSoil<3>&,
-                                                           std::span<const std::int32_t>);
+template std::vector<OuterPoint<2>> find_free_surface<2>(const SurroundingsOfSoil<2>&,
+                                                         std::span<const std::int32_t>);
+template std::vector<OuterPoint<3>> find_free_surface<3>(const SurroundingsOfSoil<3>&,
+                                                         std::span<const std::int32_t>);
 
 }  // namespace gabion::mpm

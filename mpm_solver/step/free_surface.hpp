@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mpm_solver/grid/basis.hpp"
-#include "mpm_solver/grid/surface_point.hpp"
+#include "mpm_solver/grid/outer_point.hpp"
 #include "mpm_solver/small_cuts/weak_nodes.hpp"
 #include "mpm_solver/walls/wall_conditions.hpp"
 
@@ -31,7 +31,7 @@ struct SurroundingsOfSoil {
 /// looked at. n points away from the mean of the points around, and of their images in walls.
 /// @pre all points are in the grid, of this rank
 template <int dim>
-std::vector<SurfacePoint<dim>> find_free_surface(const SurroundingsOfSoil<dim>& parts,
-                                                 std::span<const std::int32_t> bodies);
+std::vector<OuterPoint<dim>> find_free_surface(const SurroundingsOfSoil<dim>& parts,
+                                               std::span<const std::int32_t> bodies);
 
 }  // namespace gabion::mpm

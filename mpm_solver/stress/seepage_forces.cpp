@@ -17,6 +17,10 @@ namespace {
 // direction under gimp have 3/4 of it, splines less. The inverse goes to the stabilisation.
 constexpr double points_see_of_gimp = 4.0 / 3, points_see_of_splines = 2.5;
 
+// Nodes that points hardly weigh on would have any pressure: nodes of a group are tied to each
+// other by this share of what the group stores and lets seep.
+constexpr double tie_share = 1e-6;
+
 // Nodes with a smaller share of the water of the fullest node keep the pressure of what is around
 // them: its equation would be lost in rounding.
 constexpr double least_share = 1e-9;
@@ -50,6 +54,7 @@ SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageSt
   p_ = p_n_;
   J_.assign(p_.size(), 1.0);
   list_wet();
+  q_start_ = start_heads();
 }
 
 template <int dim>
@@ -86,6 +91,15 @@ double SeepageForces<dim>::stabilisation(std::int32_t body) const {
   return alpha * 3 / M * std::max(0.0, 1 - drained);
 }
 
+// Volume by pressure with which a group ties changes of q at its nodes, over its own [1/Pa].
+template <int dim>
+double SeepageForces<dim>::tie_of_nodes(const CellGroup& group) const {
+  const PoreWater& water = *parts_.bodies[group.body].water;
+  const double h = step_.cell_size;
+  return tie_share *
+         (tau_st_[group.body] + 1 / water.modulus() + water.mobility() * step_.dt / (h * h));
+}
+
 template <int dim>
 double SeepageForces<dim>::at_rest(std::int32_t body, const Vector<dim>& x) const {
   return parts_.bodies[body].water->density * step_.gravity.dot(x);
@@ -117,7 +131,10 @@ void SeepageForces<dim>::gather(const CellGroup& group, const Trial& trial, Grou
   const auto nodes = parts_.weights.nodes_of(group);
   parts_.nodes.gather(nodes, trial.du, work.du.data());
   parts_.nodes.list_active(nodes, work.active.data());
-  for (int i = 0; i < group.num_nodes; ++i) work.q[i] = trial.q[work.active[i]];
+  for (int i = 0; i < group.num_nodes; ++i) {
+    work.q[i] = trial.q[work.active[i]];
+    work.change_of_q[i] = work.q[i] - q_start_[work.active[i]];
+  }
 }
 
 // Points of a group and their sums.
@@ -217,7 +234,11 @@ void SeepageForces<dim>::add_volumes(const CellGroup& group, Group& work) {
       r_[node] += (stored + stable) * N - seeped;
     }
   }
+  double mean = 0;
+  for (int k = 0; k < group.num_nodes; ++k) mean += work.change_of_q[k] / group.num_nodes;
+  const double tie = tie_of_nodes(group) * work.V;
   for (int k = 0; k < group.num_nodes; ++k) {
+    r_[work.active[k]] += tie * (work.change_of_q[k] - mean);
     const double squeezed = step_.averages ? work.density * (work.Vj - work.V) * work.N[k] : 0;
     squeezed_[work.active[k]] += squeezed;
     r_[work.active[k]] += squeezed - unstable * work.N[k];

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
-#include "mpm_solver/grid/surface_point.hpp"
+#include "mpm_solver/grid/outer_point.hpp"
 #include "mpm_solver/stress/stress_parts.hpp"
 
 namespace gabion::mpm {
@@ -36,7 +36,7 @@ class SeepageForces {
 
   /// Let water leave at these points where it is under pressure, and none in. Replaces earlier
   /// ones.
-  void open(const BackgroundGrid<dim>& grid, std::span<const SurfacePoint<dim>> surface);
+  void open(const BackgroundGrid<dim>& grid, std::span<const OuterPoint<dim>> surface);
 
   /// Unknowns of a trial state.
   struct Trial {
@@ -90,6 +90,7 @@ class SeepageForces {
     double drained = 0;                            // volume in the step by pressure [m^3/Pa]
   };
   void list_wet();
+  double tie_of_nodes(const CellGroup& group) const;
   double stabilisation(std::int32_t body) const;
   void gather(const CellGroup& group, const Trial& trial, Group& work) const;
   bool sum_up(const CellGroup& group, Group& work, RefusedPoint& worst) const;
@@ -112,6 +113,7 @@ class SeepageForces {
   std::vector<double> p_;             // of each entry in the last evaluation [Pa]
   std::vector<double> J_;             // volume ratio of each entry since it was free of stress
   std::vector<char> wet_;
+  std::vector<double> q_start_;  // start_heads()
   std::vector<double> f_, r_, squeezed_, seeped_;
 };
 

@@ -26,7 +26,7 @@ struct SeepageForces<dim>::Work {
 template <int dim>
 struct SeepageForces<dim>::Group {
   std::array<double, max_group_nodes<dim> * dim> du;
-  std::array<double, max_group_nodes<dim>> q;
+  std::array<double, max_group_nodes<dim>> q, change_of_q;
   std::vector<Work> points;
   double V = 0, Vj = 0, pV = 0, p_nV = 0;
   double density = 0;                                    // mean

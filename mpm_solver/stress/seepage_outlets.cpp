@@ -17,7 +17,7 @@ constexpr double surface_mobility = 50;
 
 template <int dim>
 void SeepageForces<dim>::open(const BackgroundGrid<dim>& grid,
-                              std::span<const SurfacePoint<dim>> surface) {
+                              std::span<const OuterPoint<dim>> surface) {
   outlets_.clear();
   const auto& weights = parts_.weights;
   std::vector<std::int32_t> number(parts_.points.size(), -1);
@@ -32,7 +32,7 @@ void SeepageForces<dim>::open(const BackgroundGrid<dim>& grid,
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
       if (number[p] < 0) continue;
-      const SurfacePoint<dim>& at = surface[number[p]];
+      const OuterPoint<dim>& at = surface[number[p]];
       Outlet outlet{.entry = e};
       const Vector<dim> place =
           parts_.points.x[p] +
@@ -75,8 +75,8 @@ void SeepageForces<dim>::add_outflow(const CellGroup& group, Group& work, bool w
   }
 }
 
-template void SeepageForces<2>::open(const BackgroundGrid<2>&, std::span<const SurfacePoint<2>>);
-template void SeepageForces<3>::open(const BackgroundGrid<3>&, std::span<const SurfacePoint<3>>);
+template void SeepageForces<2>::open(const BackgroundGrid<2>&, std::span<const OuterPoint<2>>);
+template void SeepageForces<3>::open(const BackgroundGrid<3>&, std::span<const OuterPoint<3>>);
 template void SeepageForces<2>::add_outflow(const CellGroup&, Group&, bool);
 template void SeepageForces<3>::add_outflow(const CellGroup&, Group&, bool);
 

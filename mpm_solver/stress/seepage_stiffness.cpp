@@ -70,13 +70,13 @@ void SeepageForces<dim>::add_mobility_stiffness(const CellGroup& group, const Wo
 template <int dim>
 void SeepageForces<dim>::add_group_stiffness(const CellGroup& group, Group& work) const {
   const int n = group.num_nodes, rows = n * block_size;
-  const double tau = tau_st_[group.body] * work.V;
+  const double tau = tau_st_[group.body] * work.V, tie = tie_of_nodes(group) * work.V;
   for (int i = 0; i < n; ++i) {
     for (int k = 0; k < n; ++k) {
       double* block = &work.K[static_cast<std::size_t>(i) * block_size * rows +
                               static_cast<std::size_t>(k) * block_size];
       double* volumes = block + static_cast<std::ptrdiff_t>(dim) * rows;
-      volumes[dim] += tau * work.N[i] * work.N[k];
+      volumes[dim] += tau * work.N[i] * work.N[k] - tie * ((i == k ? 1 : 0) - 1.0 / n);
       if (!step_.averages) continue;
       const double share = work.density * work.N[i] + work.compressed[i] / work.V;
       for (int d = 0; d < dim; ++d) {

@@ -53,7 +53,7 @@ struct Block {
     wall.group = side;
     walls.push_back(wall);
   }
-  std::vector<mpm::SurfacePoint<dim>> surface(const mpm::FacetSights<dim>* sights = nullptr) {
+  std::vector<mpm::OuterPoint<dim>> surface(const mpm::FacetSights<dim>* sights = nullptr) {
     EXPECT_TRUE(find_cells(grid, points).empty());
     const std::vector<std::int32_t> bodies = {0};
     return mpm::find_free_surface<dim>(
@@ -62,13 +62,13 @@ struct Block {
 };
 
 template <int dim>
-Vector<dim> sum_of_areas(const std::vector<mpm::SurfacePoint<dim>>& surface) {
+Vector<dim> sum_of_areas(const std::vector<mpm::OuterPoint<dim>>& surface) {
   Vector<dim> sum = Vector<dim>::Zero();
   for (const auto& each : surface) sum += each.area * each.n;
   return sum;
 }
 template <int dim>
-double sum_of_sizes(const std::vector<mpm::SurfacePoint<dim>>& surface) {
+double sum_of_sizes(const std::vector<mpm::OuterPoint<dim>>& surface) {
   double sum = 0;
   for (const auto& each : surface) sum += each.area;
   return sum;

@@ -87,7 +87,7 @@ struct WetBalance {
   }
   /// Open the surface at some points, whatever is around them.
   void open() {
-    std::vector<mpm::SurfacePoint<dim>> surface;
+    std::vector<mpm::OuterPoint<dim>> surface;
     for (std::int32_t p = 0; p < soil.points.size(); p += 3) {
       surface.push_back({.point = p,
                          .n = soil.random.template vector<dim>().normalized(),

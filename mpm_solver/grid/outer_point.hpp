@@ -9,7 +9,7 @@ namespace gabion::mpm {
 
 /// A material point at which soil ends in air.
 template <int dim>
-struct SurfacePoint {
+struct OuterPoint {
   std::int32_t point = 0;
   Vector<dim> n = Vector<dim>::Zero();  ///< unit, out of the soil
   double R = 0;                         ///< distance of the surface along n [m]
