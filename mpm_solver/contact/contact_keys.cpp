@@ -76,6 +76,13 @@ std::vector<Key> boundary_keys() {
           .or_none()
           .when("mode", {"contact"}),
       turbulent_drag_key(),
+      key::boolean(
+          "drained",
+          "Whether pore water leaves the soil there as into air (`seepage_face` of "
+          "`free_surface`): a net, a rack, a wall with a filter. Only with soil that has a "
+          "`permeability` and such a surface.")
+          .or_else(false)
+          .when("method", {"facets"}),
       key::number("tangential_factor", "",
                   "Tangential stiffness times the mean cell size over the P-wave modulus of the "
                   "body.")

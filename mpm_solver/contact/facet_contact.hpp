@@ -159,6 +159,8 @@ class FacetContact final : public Contact<dim> {
 
   // The law at a contact point.
   ContactLaw law_of(const Candidate& c, std::int32_t owner, double part) const;
+  // Of the water at the surface: no water flows along the normal of a surface.
+  double pore_pressure_at(const ContactPoint& contact) const;
   void add_contacts(std::int32_t candidate, std::span<const SurfaceFeature<dim>> features,
                     std::span<const double> du);
   ContactPoint contact_at(const Candidate& c, const SurfaceFeature<dim>& feature,

@@ -37,7 +37,11 @@ SeepageStep<dim>::SeepageStep(const Parts& parts)
   }
   if (with_seepage_face_.empty()) return;
   const auto surfaces = surfaces_at_start(settings.interfaces, settings.rigid_walls);
-  if (!surfaces.empty()) sights_.emplace(surfaces, parts.model.grid);
+  if (surfaces.empty()) return;
+  sights_.emplace(surfaces, parts.model.grid);
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    if (surfaces[k].settings.drained) sights_->leave_out(k);
+  }
 }
 
 template <int dim>
