@@ -116,7 +116,11 @@ TEST(WetSurfaces, wet_sand_flows) {
             {"porosity", 0.4}, {"bulk_modulus", 2e8}, {"permeability", k}};
         json["bodies"][0]["water"]["free_surface"] = surface;
         const auto solver = mpm_solver<2>(json);
+        const double mass = probe(*solver, "mass");
         EXPECT_NO_THROW(run_steps(*solver, 4e-3, 90));
+        const double out = probe(*solver, "water_out");
+        EXPECT_EQ(out > 0, surface == std::string("seepage_face"));
+        EXPECT_NEAR(probe(*solver, "mass") + out, mass, 1e-9 * mass);
       }
     }
   }
