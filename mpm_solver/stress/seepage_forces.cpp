@@ -21,10 +21,6 @@ constexpr double points_see_of_gimp = 4.0 / 3, points_see_of_splines = 2.5;
 // other by this share of what the group stores and lets seep.
 constexpr double tie_share = 1e-6;
 
-// Nodes with a smaller share of the water of the fullest node keep the pressure of what is around
-// them: its equation would be lost in rounding.
-constexpr double least_share = 1e-9;
-
 }  // namespace
 
 template <int dim>
@@ -59,20 +55,12 @@ SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageSt
 
 template <int dim>
 void SeepageForces<dim>::list_wet() {
-  std::vector<double> volumes(r_.size(), 0.0);
-  const auto& weights = parts_.weights;
+  wet_.assign(r_.size(), 0);
   for (const std::int32_t g : groups_) {
-    const CellGroup& group = weights.groups[g];
+    const CellGroup& group = parts_.weights.groups[g];
     const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      for (int i = 0; i < weights.num_nodes(e); ++i) {
-        volumes[active[weights.local_of(e)[i]]] += weights.volume[e] * weights.N_of(e)[i];
-      }
-    }
+    for (int k = 0; k < group.num_nodes; ++k) wet_[active[k]] = 1;
   }
-  const double most = volumes.empty() ? 0 : *std::ranges::max_element(volumes);
-  wet_.assign(volumes.size(), 0);
-  for (std::size_t i = 0; i < volumes.size(); ++i) wet_[i] = volumes[i] > least_share * most;
 }
 
 template <int dim>

@@ -64,7 +64,7 @@ class SeepageForces {
 
   /// q of the nodes that fits the accepted pressures best, as a guess [Pa]; 0 at dry nodes.
   std::vector<double> start_heads() const;
-  /// 1 for nodes that act on points whose water drains by more than rounding, num_nodes.
+  /// 1 for nodes that may act on points whose water drains, num_nodes.
   const std::vector<char>& wet() const { return wet_; }
   /// p of water at rest that q leaves out, at a place [Pa].
   double at_rest(std::int32_t body, const Vector<dim>& x) const;

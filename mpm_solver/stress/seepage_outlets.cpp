@@ -28,7 +28,6 @@ void SeepageForces<dim>::open(const BackgroundGrid<dim>& grid,
   for (const std::int32_t g : groups_) {
     const CellGroup& group = weights.groups[g];
     const PoreWater& water = *parts_.bodies[group.body].water;
-    const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
       if (number[p] < 0) continue;
@@ -38,16 +37,8 @@ void SeepageForces<dim>::open(const BackgroundGrid<dim>& grid,
           parts_.points.x[p] +
           SurfaceValues<dim>(grid, parts_.points, p).at(-at.n, at.R, outlet.w.data());
       outlet.at_rest = at_rest(group.body, place);
-      // A node without water of its own has no balance that could tell of the outflow.
-      double sum = 0;
-      for (int i = 0; i < weights.num_nodes(e); ++i) {
-        if (!wet_[active[weights.local_of(e)[i]]]) outlet.w[i] = 0;
-        sum += outlet.w[i];
-      }
-      for (int i = 0; i < weights.num_nodes(e); ++i) outlet.w[i] /= sum;
       const double kappa = water.mobility() * water.mobility_ratio(parts_.points.J[p]);
-      outlet.drained =
-          surface_mobility * at.area / h * (kappa * step_.dt + tau_st_[group.body] * h * h / 12);
+      outlet.drained = surface_mobility * at.area / h * kappa * step_.dt;
       outlets_.push_back(outlet);
     }
   }

@@ -97,7 +97,8 @@ TEST(WetSurfaces, drained_surface_without_water_is_refused) {
 }
 
 /// Sand that slumps as its water drains: nodes on which hardly any soil weighs do not keep Newton's
-/// method from its end, whatever the permeability.
+/// method from its end, whatever the permeability. Points that change cells share their strain and
+/// keep their pressure, which changes the mass of their water by a share of p / K_w.
 TEST(WetSurfaces, wet_sand_flows) {
   for (const char* basis : {"gimp", "bspline"}) {
     for (const double k : {1e-5, 1e-3}) {
@@ -120,7 +121,7 @@ TEST(WetSurfaces, wet_sand_flows) {
         EXPECT_NO_THROW(run_steps(*solver, 4e-3, 90));
         const double out = probe(*solver, "water_out");
         EXPECT_EQ(out > 0, surface == std::string("seepage_face"));
-        EXPECT_NEAR(probe(*solver, "mass") + out, mass, 1e-9 * mass);
+        EXPECT_NEAR(probe(*solver, "mass") + out, mass, 1e-8 * mass);
       }
     }
   }
