@@ -54,7 +54,7 @@ ContactLaw FacetContact<dim>::law_of(const Candidate& c, std::int32_t owner, dou
 template <int dim>
 double FacetContact<dim>::pore_pressure_at(const ContactPoint& contact) const {
   const std::optional<SoilSurface<dim>>& soil = search_.soil();
-  if (!soil || soil->pore_pressures.empty()) return 0;
+  if (!soil || soil->pore_pressures.empty() || members_[contact.owner].drained) return 0;
   const double below = contact.radius * contact.feature.normal.dot(soil->water_weight);
   return std::max(0.0, candidate(contact).pore_pressure - below);
 }

@@ -67,6 +67,18 @@ TEST(WetSurfaces, friction_is_that_of_the_effective_stress) {
   }
 }
 
+/// Where the floor drains, water has no pressure against it, and all of the weight rubs.
+TEST(WetSurfaces, friction_of_a_floor_that_drains_is_that_of_the_total_stress) {
+  const double mu = 0.05;
+  Json json = layer_on_floor(1.0 / 3, mu);
+  json["rigid_walls"][0]["motion"] = {{"velocity", {1e-3, 0}}};
+  json["rigid_walls"][0]["drained"] = true;
+  const auto solver = mpm_solver<2>(json);
+  run_steps(*solver, 0.01 / c_v, 5);
+  const double found = probe(*solver, "floor.fx") / probe(*solver, "floor.fy");
+  EXPECT_NEAR(std::abs(found), mu, 1e-3 * mu);
+}
+
 /// A floor that drains takes the water as air would, and leaves less than half of the excess.
 TEST(WetSurfaces, floor_that_drains) {
   Json json = layer_on_floor(1.0 / 3, 0);
