@@ -103,6 +103,26 @@ void check_phases(const ConfigReader& in, const std::vector<Phase>& phases, std:
   }
 }
 
+// Surfaces that are drained need soil that has a seepage face there.
+template <int dim>
+void check_drained_surfaces(const MpmSettings<dim>& settings) {
+  if (std::ranges::any_of(settings.bodies, [](const Body<dim>& body) {
+        return drains(body) && body.water->seepage_face;
+      })) {
+    return;
+  }
+  const auto refuse = [](const ContactSettings<dim>& surface) {
+    if (!surface.drained) return;
+    throw ConfigError(
+        fmt::format("{}: found the surface of \"{}\" \"drained\" without soil whose water drains "
+                    "through its own, allowed: with a body that has \"water\" with "
+                    "\"permeability\" and \"free_surface\" \"seepage_face\"",
+                    surface.where, surface.name));
+  };
+  for (const auto& surface : settings.interfaces) refuse(surface);
+  for (const auto& wall : settings.rigid_walls) refuse(wall.boundary);
+}
+
 }  // namespace
 
 template <int dim>
@@ -115,6 +135,7 @@ void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings) {
     check_start(in, settings, b);
     check_density(in, settings, *first, b);
   }
+  check_drained_surfaces(settings);
   if (first) {
     check_phases(in, settings.phases, *first);
     check_linear_solver(in, settings);

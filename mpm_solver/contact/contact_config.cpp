@@ -78,6 +78,7 @@ ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double 
     in.fail("turbulent_drag", "allowed only with \"friction\" and \"method\": \"facets\"");
   }
   if (in.choice("method") == "facets") {
+    boundary.drained = in.boolean("drained");
     boundary.method = read_facets(in, boundary.mode, resting_factor);
     if (boundary.friction >= 0) boundary.drag = in.number("turbulent_drag");
     if (boundary.mode == ContactMode::contact && boundary.friction < 0) {

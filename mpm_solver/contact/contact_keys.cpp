@@ -33,6 +33,16 @@ Key turbulent_drag_key() {
       .with("friction");
 }
 
+Key drained_key() {
+  return key::boolean(
+             "drained",
+             "Whether pore water leaves the soil there as into air (`seepage_face` of "
+             "`free_surface`): a net, a rack, a wall with a filter. Only with soil that has a "
+             "`permeability` and such a surface.")
+      .or_else(false)
+      .when("method", {"facets"});
+}
+
 std::vector<Key> boundary_keys() {
   return {
       key::object("surface", surface_keys(), "Where the boundary points lie."),
@@ -96,6 +106,7 @@ std::vector<Key> boundary_keys() {
 
 KeyTable with_boundary(KeyTable table) {
   for (const Key& key : boundary_keys()) table.keys.push_back(key);
+  table.keys.push_back(drained_key());
   return table;
 }
 

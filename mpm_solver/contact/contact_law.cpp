@@ -60,7 +60,8 @@ ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* s
   const double mu = mode == ContactMode::slip ? 0 : friction;
   if (mode == ContactMode::fixed || mu < 0) return result;
 
-  double limit = mu * t[0];
+  const bool grains_touch = t[0] > pore_pressure;
+  double limit = grains_touch ? mu * (t[0] - pore_pressure) : 0;
   const double size = t.template tail<dim - 1>().norm();
   if (size <= limit) return result;
   result.sliding = true;
@@ -77,7 +78,7 @@ ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* s
   *slope *= limit / size;
   *slope -=
       tangential_penalty * (limit / size - result.elastic) * direction * direction.transpose();
-  slope->col(0) = (1 - result.elastic) * mu * normal_slope * direction;
+  slope->col(0) = (grains_touch ? (1 - result.elastic) * mu * normal_slope : 0) * direction;
   (*slope)(0, 0) = normal_slope;
   return result;
 }

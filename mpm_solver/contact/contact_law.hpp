@@ -32,7 +32,7 @@ enum class NormalLaw {
 /// and the turbulent drag of Voellmy:
 ///
 ///     t_n = penalty d or penalty d^2 ,  t_t = -tangential_penalty g_t ,
-///     |t_t| <= friction t_n + drag v^2
+///     |t_t| <= friction <t_n - p> + drag v^2 ,  p that of pore water at the surface
 ///
 /// with the speed v = s / time of the slip s in the step, which is what the limit takes off g_t. It
 /// is the root of a quadratic equation and has the direction of t_t: it takes energy.
@@ -45,8 +45,9 @@ struct ContactLaw {
   NormalLaw normal = NormalLaw::linear;
   /// Depth from which the quadratic law goes on along its tangent [m].
   double linear_from = std::numeric_limits<double>::infinity();
-  double drag = 0;  ///< [Pa s^2/m^2], >= 0
-  double time = 0;  ///< in which the slip came about, with a drag [s]; 0: none can
+  double drag = 0;           ///< [Pa s^2/m^2], >= 0
+  double time = 0;           ///< in which the slip came about, with a drag [s]; 0: none can
+  double pore_pressure = 0;  ///< of the traction, what the water bears, without friction [Pa]
 
   /// Whether sliding makes the stiffness unsymmetric.
   bool has_friction() const { return mode == ContactMode::contact && friction > 0; }

@@ -55,6 +55,7 @@ struct ContactSettings {
   ContactMode mode = ContactMode::contact;
   double friction = -1;  ///< as in ContactLaw
   double drag = 0;       ///< as in ContactLaw, of facets [Pa s^2/m^2]
+  bool drained = false;  ///< pore water of soil that touches it leaves as into air
   std::variant<BoundaryPointSettings, FacetSettings> method;
 };
 

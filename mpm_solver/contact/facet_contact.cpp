@@ -51,6 +51,14 @@ ContactLaw FacetContact<dim>::law_of(const Candidate& c, std::int32_t owner, dou
   return law;
 }
 
+template <int dim>
+double FacetContact<dim>::pore_pressure_at(const ContactPoint& contact) const {
+  const std::optional<SoilSurface<dim>>& soil = search_.soil();
+  if (!soil || soil->pore_pressures.empty() || members_[contact.owner].drained) return 0;
+  const double below = contact.radius * contact.feature.normal.dot(soil->water_weight);
+  return std::max(0.0, candidate(contact).pore_pressure - below);
+}
+
 // A contact that goes on has slipped since it began; a new one since its path met the surface.
 template <int dim>
 void FacetContact<dim>::set_slip(const Candidate& c, ContactPoint& contact) const {
@@ -282,8 +290,9 @@ void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double>
       const Candidate& c = candidate(contact);
       Vector<dim> gap = contact.frame.transpose() * contact.slip;
       gap[0] = -contact.depth;
-      contact.traction =
-          law_of(c, owner, contact.part).template traction<dim>(gap, K ? &slope : nullptr);
+      ContactLaw law = law_of(c, owner, contact.part);
+      law.pore_pressure = pore_pressure_at(contact);
+      contact.traction = law.template traction<dim>(gap, K ? &slope : nullptr);
       contact.force = contact.area * (contact.frame * contact.traction.t);
       search_.scatter(c, weights_of(contact), force_weight_ * contact.force, r);
       if (K) add_stiffness(contact, slope, *K);

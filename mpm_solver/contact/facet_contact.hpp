@@ -139,6 +139,7 @@ class FacetContact final : public Contact<dim> {
   struct Member {
     ContactMode mode = ContactMode::contact;
     double friction = -1, drag = 0;
+    bool drained = false;
     FacetSettings method;
     std::vector<ContactMark<dim>> marks;  // of the accepted step
     ContactEnergy energy;                 // accepted
@@ -159,6 +160,8 @@ class FacetContact final : public Contact<dim> {
 
   // The law at a contact point.
   ContactLaw law_of(const Candidate& c, std::int32_t owner, double part) const;
+  // Of the water at the surface: none where it is drained, else no water flows along its normal.
+  double pore_pressure_at(const ContactPoint& contact) const;
   void add_contacts(std::int32_t candidate, std::span<const SurfaceFeature<dim>> features,
                     std::span<const double> du);
   ContactPoint contact_at(const Candidate& c, const SurfaceFeature<dim>& feature,

@@ -14,6 +14,7 @@ FacetContact<dim>::FacetContact(const std::vector<const ContactSettings<dim>*>& 
     Member& member = members_.emplace_back();
     member.mode = settings->mode;
     member.friction = settings->friction;
+    member.drained = settings->drained;
     member.drag = settings->drag;
     member.method = std::get<FacetSettings>(settings->method);
   }

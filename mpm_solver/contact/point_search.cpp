@@ -169,6 +169,7 @@ typename PointSearch<dim>::Candidate PointSearch<dim>::candidate_of(const Watche
   c.memory = point.memory;
   c.took_weight = c.memory ? c.memory->front().took_weight : soil.takes_weight;
   if (c.took_weight) c.weight = soil.weights_of[group.body];
+  if (!soil.pore_pressures.empty()) c.pore_pressure = soil.pore_pressures[p];
   c.reaches_far = c.deforms || soil.grid.basis == Basis::bspline;
   c.margin = margin_ + 2 * soil_->dt *
                            fastest_about(soil.points, soil.weights, soil.nodes, group, point.entry);

@@ -37,6 +37,7 @@ struct ContactCandidate {
   double modulus = 0;                           ///< of P waves [Pa]
   bool took_weight = false;  ///< it began to touch in a step in which soil took its weight
   double weight = 0;         ///< SoilSurface::weights_of, of its body [Pa]
+  double pore_pressure = 0;  ///< SoilSurface::pore_pressures [Pa]
   bool deforms = false;      ///< the sphere is strained like the soil; else it is rigid
   double distance = 0;       ///< to the nearest facet at the start, 0 behind one [m]
   std::int32_t first_value = 0, num_values = 0;   ///< of the basis functions

@@ -76,6 +76,13 @@ PorePressure PoreWater::at(double content, double J) const {
   return {-cavitation, 0, energy_of(at_limit) + cavitation * content * (opened - at_limit)};
 }
 
+// (n / n0)^3 ((1 - n0) / (1 - n))^2 with n = 1 - (1 - n0) / J.
+double PoreWater::mobility_ratio(double J) const {
+  if (!kozeny_carman) return 1;
+  const double m = pores(J) / porosity;
+  return m * m * m / J;
+}
+
 double PoreWater::hydrostatic(double height) const {
   return table ? specific_weight * std::max(0.0, *table - height) : 0;
 }
@@ -116,10 +123,22 @@ KeyTable body_water_keys() {
   table.keys.push_back(
       key::number("permeability", "m/s",
                   "Hydraulic conductivity k: the water drains (implicit steps on a `box` grid with "
-                  "`gimp` or `bspline`, one rank), and leaves through walls that are `drained`; "
-                  "none: it has no time to. Intrinsic permeability [m^2] times 1e7 1/(m s).")
+                  "`gimp` or `bspline`, one rank), and leaves through `free_surface` and walls "
+                  "that are `drained`; none: it has no time to. Intrinsic permeability [m^2] times "
+                  "1e7 1/(m s).")
           .in({.low = 0, .high = 1, .low_open = true, .allowed = "a number in (0, 1]"})
           .or_none());
+  table.keys.push_back(
+      key::choice("permeability_law", {"constant", "kozeny_carman"},
+                  "`kozeny_carman`: `permeability` is that at `porosity`, and changes with the "
+                  "present porosity as n^3 / (1 - n)^2. Only with `permeability`.")
+          .or_else("constant"));
+  table.keys.push_back(
+      key::choice("free_surface", {"seepage_face", "impervious"},
+                  "Where the soil ends in air. `seepage_face`: water under pressure leaves there, "
+                  "none gets in. Soil under another body, at walls and surfaces ends nowhere. Only "
+                  "with `permeability`.")
+          .or_else("seepage_face"));
   return table;
 }
 
@@ -127,8 +146,7 @@ namespace {
 
 // Water that drains bears any suction.
 PoreWater read_water(ConfigReader in, double saturated_density, double skeleton_modulus,
-                     std::optional<double> permeability) {
-  PoreWater water;
+                     std::optional<double> permeability, PoreWater water = {}) {
   water.porosity = in.number("porosity");
   water.bulk_modulus = in.number("bulk_modulus");
   water.density = in.number("density");
@@ -149,7 +167,15 @@ PoreWater read_body_water(ConfigReader in, double saturated_density, double skel
     in.fail("cavitation_pressure",
             "allowed only without \"permeability\": water that drains bears any suction");
   }
-  return read_water(std::move(in), saturated_density, skeleton_modulus, permeability);
+  PoreWater water;
+  for (const char* key : {"permeability_law", "free_surface"}) {
+    if (!permeability && in.has(key)) {
+      in.fail(key, "allowed only with \"permeability\": other water does not drain");
+    }
+  }
+  water.kozeny_carman = in.choice("permeability_law") == "kozeny_carman";
+  water.seepage_face = in.choice("free_surface") == "seepage_face";
+  return read_water(std::move(in), saturated_density, skeleton_modulus, permeability, water);
 }
 
 PoreWater read_pore_water(ConfigReader in, double saturated_density, double skeleton_modulus) {

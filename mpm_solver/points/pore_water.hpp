@@ -28,7 +28,9 @@ struct PoreWater {
   double density = 0;           ///< rho_w [kg/m^3]
   double cavitation = 0;        ///< p_cav, the suction that the water bears [Pa], >= 0
   double specific_weight = 0;   ///< rho_w g [N/m^3]
-  double permeability = 0;      ///< hydraulic conductivity k [m/s]; 0: the water does not drain
+  double permeability = 0;      ///< hydraulic conductivity k at n0 [m/s]; 0: water does not drain
+  bool kozeny_carman = false;   ///< k follows the porosity, else it is constant
+  bool seepage_face = true;     ///< drains through the free surface of the soil
   std::optional<double> table;  ///< height of the water table at the start; none: no pressure [m]
 
   /// Volume of the pores over V0.
@@ -42,8 +44,12 @@ struct PoreWater {
   /// Pressure of water at rest at a height, 0 above the table [Pa].
   double hydrostatic(double height) const;
   bool drains() const { return permeability > 0; }
-  /// k / (rho_w g) with the gravity of the earth, in which k is measured [m^2/(Pa s)].
+  /// k / (rho_w g) at n0 with the gravity of the earth, in which k is measured [m^2/(Pa s)].
   double mobility() const { return permeability / (density * standard_gravity); }
+  /// The same by that at n0, at a volume ratio, 1 unless `kozeny_carman`. @pre admits(J)
+  double mobility_ratio(double J) const;
+  /// d ln mobility_ratio / d ln J.
+  double mobility_slope(double J) const { return kozeny_carman ? 3 * J / pores(J) - 1 : 0; }
   /// K_w / n in the stress-free state [Pa].
   double modulus() const { return bulk_modulus / porosity; }
   /// Density without water of soil whose density is that of the saturated one [kg/m^3].

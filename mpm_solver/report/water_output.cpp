@@ -149,6 +149,9 @@ Json water_summary(const SoilModel<dim>& model) {
                           {"wave_speed", model.wave_speeds[b]}};
     if (!drains(body)) continue;
     summary[body.name]["permeability"] = body.water->permeability;
+    summary[body.name]["permeability_law"] =
+        body.water->kozeny_carman ? "kozeny_carman" : "constant";
+    summary[body.name]["free_surface"] = body.water->seepage_face ? "seepage_face" : "impervious";
     summary[body.name]["consolidation"] = body.water->mobility() * model.moduli[b];
   }
   return summary;
@@ -164,9 +167,13 @@ void log_water(const SoilModel<dim>& model) {
         "m/s",
         name,
         body.contains("permeability")
-            ? fmt::format("permeability {:.3g} m/s, coefficient of consolidation {:.3g} m^2/s",
-                          body["permeability"].template get<double>(),
-                          body["consolidation"].template get<double>())
+            ? fmt::format(
+                  "permeability {:.3g} m/s, {}, coefficient of consolidation {:.3g} m^2/s, free "
+                  "surface: {}",
+                  body["permeability"].template get<double>(),
+                  body["permeability_law"].template get_ref<const std::string&>(),
+                  body["consolidation"].template get<double>(),
+                  body["free_surface"].template get_ref<const std::string&>())
             : "without drainage",
         body["saturated_density"].template get<double>(),
         body["dry_density"].template get<double>(), body["grain_density"].template get<double>(),

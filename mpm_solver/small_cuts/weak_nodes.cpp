@@ -45,7 +45,8 @@ FacetSights<dim>::FacetSights(const std::vector<StartSurface<dim>>& surfaces,
     : faces_(surfaces),
       num_surfaces_(surfaces.size()),
       reach_(longest_edge(grid)),
-      tiny_(tiny_share * reach_) {}
+      tiny_(tiny_share * reach_),
+      left_out_(surfaces.size(), 0) {}
 
 template <int dim>
 bool FacetSights<dim>::follow(const Surfaces<dim>& surfaces) {
@@ -54,7 +55,7 @@ bool FacetSights<dim>::follow(const Surfaces<dim>& surfaces) {
   for (std::size_t k = 0; k < num_surfaces_; ++k) {
     if (faces_.num_simplices[k] == 0) continue;
     const auto x = surfaces.accepted_vertices(k);
-    acts[k] = x.empty() ? 0 : 1;
+    acts[k] = x.empty() || left_out_[k] ? 0 : 1;
     if (faces_.move(k, x)) same = false;
   }
   if (same && acts == acts_) return !acting_.empty();

@@ -25,6 +25,9 @@ class FacetSights {
  public:
   FacetSights(const std::vector<StartSurface<dim>>& surfaces, const BackgroundGrid<dim>& grid);
 
+  /// Look through a surface from now on. @param k  its number
+  void leave_out(std::size_t k) { left_out_[k] = 1; }
+
   /// Take the accepted places of the surfaces. @returns whether any acts
   bool follow(const Surfaces<dim>& surfaces);
   /// Whether a facet with x on its back and y on its front is between them.
@@ -36,7 +39,7 @@ class FacetSights {
   Faces<dim> faces_;
   std::size_t num_surfaces_ = 0;
   double reach_ = 0, tiny_ = 0;         // longest edge of a cell, and a small part of it [m]
-  std::vector<char> acts_;              // of each surface
+  std::vector<char> left_out_, acts_;   // of each surface
   std::vector<Simplex<dim>> acting_;    // of surfaces that were not dropped
   std::vector<Vector<dim>> normals_;    // of acting_
   std::optional<FacetHash<dim>> hash_;  // of acting_

@@ -19,7 +19,7 @@ SeepageBalance<dim>::SeepageBalance(Equilibrium<dim>& equilibrium, SeepageForces
       K_uu_(K_uu),
       scale_(water.modulus() / equilibrium.increment_scale()),
       q_start_(water.start_heads()) {
-  // Nodes of dry soil have no pressure, those with next to no water one of their own.
+  // Nodes of dry soil have no pressure.
   for (const char wet : water_.wet()) held_.push_back(wet ? 0 : 1);
   for (std::size_t k = 0; k < drained.nodes.size(); ++k) {
     const std::int32_t i = drained.nodes[k];

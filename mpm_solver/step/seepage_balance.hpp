@@ -40,8 +40,9 @@ class SeepageBalance final : public NewtonProblem<dim + 1> {
   std::vector<double> guess(std::span<const double> du) const;
   /// The displacement in x, num_nodes x dim [m].
   std::vector<double> displacement(std::span<const double> x) const;
-  /// Volume of water that leaves through drained nodes in the state of the last evaluation [m^3].
-  double outflow() const { return outflow_; }
+  /// Volume of water that leaves through drained nodes and the free surface in the state of the
+  /// last evaluation [m^3].
+  double outflow() const { return outflow_ + water_.outflow(); }
 
  private:
   void add_equilibrium(BlockMatrix<block_size>& K) const;
@@ -52,7 +53,7 @@ class SeepageBalance final : public NewtonProblem<dim + 1> {
   BlockMatrix<dim>& K_uu_;
   double scale_;                 // M / h [Pa/m]
   std::vector<double> q_start_;  // of each node [Pa]
-  std::vector<char> held_;       // by node: 1 where it has no water of its own, 2 where it is drained
+  std::vector<char> held_;  // by node: 1 where it has no water of its own, 2 where it is drained
   std::vector<double> q_, r_u_;
   double outflow_ = 0;
 };

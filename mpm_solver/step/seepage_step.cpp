@@ -6,6 +6,8 @@
 #include <map>
 
 #include "mpm_solver/checks/seepage.hpp"
+#include "mpm_solver/contact/start_check.hpp"
+#include "mpm_solver/step/free_surface.hpp"
 
 namespace gabion::mpm {
 
@@ -27,7 +29,20 @@ LinearSolverSettings direct(LinearSolverSettings settings) {
 template <int dim>
 SeepageStep<dim>::SeepageStep(const Parts& parts)
     : ImplicitStep<dim>(parts),
-      solver_(parts.model.comm, dim, direct(parts.model.settings.linear_solver)) {}
+      solver_(parts.model.comm, dim, direct(parts.model.settings.linear_solver)) {
+  const MpmSettings<dim>& settings = parts.model.settings;
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    if (!drains(settings.bodies[b]) || !settings.bodies[b].water->seepage_face) continue;
+    with_seepage_face_.push_back(static_cast<std::int32_t>(b));
+  }
+  if (with_seepage_face_.empty()) return;
+  const auto surfaces = surfaces_at_start(settings.interfaces, settings.rigid_walls);
+  if (surfaces.empty()) return;
+  sights_.emplace(surfaces, parts.model.grid);
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    if (surfaces[k].settings.drained) sights_->leave_out(k);
+  }
+}
 
 template <int dim>
 StressParts<dim> SeepageStep<dim>::stress_parts() const {
@@ -58,6 +73,7 @@ void SeepageStep<dim>::begin(const StepStart& start) {
   const LoadRamp& ramp = model.settings.phases[start.phase].gravity_ramp;
   make_water(start, ramp.at(start.time + start.dt) * model.settings.gravity);
   ImplicitStep<dim>::begin(start);
+  open_surface();
   Equilibrium<dim>& equilibrium = *this->equilibrium_;
   if (!K_) {
     K_.emplace([this](const BlockMatrix<dim + 1>& K) { return solver_.make_room(K); });
@@ -70,6 +86,20 @@ void SeepageStep<dim>::begin(const StepStart& start) {
   solver_.set_regime({.symmetric = false, .courant = std::numeric_limits<double>::infinity()},
                      nodes.num_of_all());
   balance_.emplace(equilibrium, *water_, this->system_.K(), drained_nodes());
+}
+
+template <int dim>
+void SeepageStep<dim>::open_surface() {
+  if (with_seepage_face_.empty()) return;
+  const auto& model = this->parts_.model;
+  const bool meets_surfaces = sights_ && sights_->follow(this->parts_.state.surfaces);
+  const SurroundingsOfSoil<dim> surroundings{
+      .grid = model.grid,
+      .points = this->parts_.state.points,
+      .walls = model.settings.phases[this->start_.phase].walls,
+      .surfaces = meets_surfaces ? &*sights_ : nullptr};
+  const auto surface = find_free_surface<dim>(surroundings, with_seepage_face_);
+  water_->open(model.grid, surface);
 }
 
 // The water beyond the walls is at rest, below the table of the soil.

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mpm_solver/small_cuts/weak_nodes.hpp"
 #include "mpm_solver/step/implicit_step.hpp"
 #include "mpm_solver/step/seepage_balance.hpp"
 
@@ -31,9 +32,12 @@ class SeepageStep final : public ImplicitStep<dim> {
   void make_water(const StepStart& start, const Vector<dim>& gravity);
   std::vector<double> first_displacement();
   DrainedNodes drained_nodes() const;
+  void open_surface();
 
   StressParts<dim> stress_parts() const;
 
+  std::vector<std::int32_t> with_seepage_face_;  // bodies
+  std::optional<FacetSights<dim>> sights_;       // none: no surface, or no seepage face
   std::optional<SeepageForces<dim>> water_;
   std::optional<SeepageBalance<dim>> balance_;
   std::optional<BlockMatrix<dim + 1>> K_;

@@ -9,6 +9,7 @@
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/checks/seepage.hpp"
 #include "mpm_solver/grid/noise_damping.hpp"
 #include "mpm_solver/grid/point_domains.hpp"
 #include "mpm_solver/step/seepage_step.hpp"
@@ -125,6 +126,8 @@ SoilSurface<dim> SoilStep<dim>::surface_of_soil() const {
           .moduli = model_.moduli,
           .takes_weight = start_.takes_weight,
           .weights_of = model_.weights,
+          .pore_pressures = pore_pressures_,
+          .water_weight = water_weight(),
           .comm = model_.comm};
 }
 
@@ -141,9 +144,33 @@ void SoilStep<dim>::map_soil() {
              .other_nodes = std::move(other_nodes)});
 }
 
+// All water that drains has one density.
+template <int dim>
+Vector<dim> SoilStep<dim>::water_weight() const {
+  const auto& bodies = model_.settings.bodies;
+  const auto body = std::ranges::find_if(bodies, drains<dim>);
+  if (body == bodies.end()) return Vector<dim>::Zero();
+  const double share = phase().gravity_ramp.at(start_.time);
+  return share * body->water->density * model_.settings.gravity;
+}
+
+template <int dim>
+void SoilStep<dim>::find_pore_pressures() {
+  const MaterialPoints<dim>& points = state_.points;
+  pore_pressures_.assign(points.size(), 0.0);
+  for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
+    const Body<dim>& body = model_.settings.bodies[b];
+    if (!drains(body)) continue;
+    for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
+      pore_pressures_[p] = body.water->at(points.water[p], points.J[p]).p;
+    }
+  }
+}
+
 template <int dim>
 void SoilStep<dim>::begin_surfaces() {
   if (state_.surfaces.contacts().empty()) return;
+  if (model_.drains) find_pore_pressures();
   const ScopedTimer timer(times_, "contact search");
   state_.surfaces.begin_step(surface_of_soil());
 }

@@ -73,6 +73,8 @@ class SoilStep {
   void begin_at_rest(const Vector<dim>& gravity, double deepest_row);
   SoilSurface<dim> surface_of_soil() const;
   void map_soil();
+  Vector<dim> water_weight() const;
+  void find_pore_pressures();
   void begin_surfaces();
   void check_surfaces();
   StepReport solve_soil(const StepRequest& request);
@@ -97,7 +99,8 @@ class SoilStep {
   // the current step, or the last one
   bool under_way_ = false;
   StepStart start_;
-  SparseList<char> occupied_;  // SoilOnGrid::occupied_cells; empty where nobody asks
+  std::vector<double> pore_pressures_;  // SoilSurface::pore_pressures
+  SparseList<char> occupied_;           // SoilOnGrid::occupied_cells; empty where nobody asks
   SurplusWays<dim> surplus_;
   TrialPoints<dim> trial_;
   std::unique_ptr<ImplicitStep<dim>> implicit_;

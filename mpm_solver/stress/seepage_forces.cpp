@@ -7,6 +7,7 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/norm.hpp"
+#include "mpm_solver/stress/seepage_group.hpp"
 
 namespace gabion::mpm {
 
@@ -16,38 +17,11 @@ namespace {
 // direction under gimp have 3/4 of it, splines less. The inverse goes to the stabilisation.
 constexpr double points_see_of_gimp = 4.0 / 3, points_see_of_splines = 2.5;
 
-// Nodes with a smaller share of the water of the fullest node keep the pressure of what is around
-// them: its equation would be lost in rounding.
-constexpr double least_share = 1e-9;
+// Nodes that points hardly weigh on would have any pressure: nodes of a group are tied to each
+// other by this share of what the group stores and lets seep.
+constexpr double tie_share = 1e-6;
 
 }  // namespace
-
-/// One point of a group in the step.
-template <int dim>
-struct SeepageForces<dim>::Work {
-  std::int32_t entry = 0;
-  double V = 0, V0 = 0, j = 1, m = 0;  // at the start, free of stress; volume ratio; pores over V0
-  double p = 0, p_n = 0;
-  double density = 1;                        // of the water under p_n, by that free of pressure
-  Vector<dim> grad_p = Vector<dim>::Zero();  // at the end of the step
-  Vector<dim> w = Vector<dim>::Zero();       // flux of Darcy [m/s]
-  std::array<Vector<dim>, max_group_nodes<dim>> g;  // of each of its nodes
-};
-
-/// The points of a group and their sums.
-template <int dim>
-struct SeepageForces<dim>::Group {
-  std::array<double, max_group_nodes<dim> * dim> du;
-  std::array<double, max_group_nodes<dim>> q;
-  std::vector<Work> points;
-  double V = 0, Vj = 0, pV = 0, p_nV = 0;
-  double density = 0;                                    // mean
-  std::array<double, max_group_nodes<dim>> N;            // mean of each node
-  std::array<Vector<dim>, max_group_nodes<dim>> change;  // d(sum V j) / du of each node
-  std::array<double, max_group_nodes<dim>> compressed;   // V (exp(dp / K_w) - 1) at each node
-  std::array<std::int32_t, max_group_nodes<dim>> active;
-  std::vector<double> K;  // row by row
-};
 
 template <int dim>
 SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageStepData<dim>& step)
@@ -76,24 +50,17 @@ SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageSt
   p_ = p_n_;
   J_.assign(p_.size(), 1.0);
   list_wet();
+  q_start_ = start_heads();
 }
 
 template <int dim>
 void SeepageForces<dim>::list_wet() {
-  std::vector<double> volumes(r_.size(), 0.0);
-  const auto& weights = parts_.weights;
+  wet_.assign(r_.size(), 0);
   for (const std::int32_t g : groups_) {
-    const CellGroup& group = weights.groups[g];
+    const CellGroup& group = parts_.weights.groups[g];
     const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      for (int i = 0; i < weights.num_nodes(e); ++i) {
-        volumes[active[weights.local_of(e)[i]]] += weights.volume[e] * weights.N_of(e)[i];
-      }
-    }
+    for (int k = 0; k < group.num_nodes; ++k) wet_[active[k]] = 1;
   }
-  const double most = volumes.empty() ? 0 : *std::ranges::max_element(volumes);
-  wet_.assign(volumes.size(), 0);
-  for (std::size_t i = 0; i < volumes.size(); ++i) wet_[i] = volumes[i] > least_share * most;
 }
 
 template <int dim>
@@ -101,10 +68,24 @@ double SeepageForces<dim>::stabilisation(std::int32_t body) const {
   const Body<dim>& soil = parts_.bodies[body];
   const double h = step_.cell_size;
   const double M = skeleton_modulus(soil) + step_.inertia_slope * soil.material.density * h * h;
-  const double drained = 4 * soil.water->mobility() * M * step_.dt / (h * h);
+  double least = 1;
+  const auto& points = parts_.points;
+  for (std::int32_t p = points.body_starts[body]; p < points.body_starts[body + 1]; ++p) {
+    least = std::min(least, soil.water->mobility_ratio(points.J[p]));
+  }
+  const double drained = 4 * soil.water->mobility() * least * M * step_.dt / (h * h);
   const double alpha =
       parts_.points.half_length.empty() ? points_see_of_splines : points_see_of_gimp;
   return alpha * 3 / M * std::max(0.0, 1 - drained);
+}
+
+// Volume by pressure with which a group ties changes of q at its nodes, over its own [1/Pa].
+template <int dim>
+double SeepageForces<dim>::tie_of_nodes(const CellGroup& group) const {
+  const PoreWater& water = *parts_.bodies[group.body].water;
+  const double h = step_.cell_size;
+  return tie_share *
+         (tau_st_[group.body] + 1 / water.modulus() + water.mobility() * step_.dt / (h * h));
 }
 
 template <int dim>
@@ -138,7 +119,10 @@ void SeepageForces<dim>::gather(const CellGroup& group, const Trial& trial, Grou
   const auto nodes = parts_.weights.nodes_of(group);
   parts_.nodes.gather(nodes, trial.du, work.du.data());
   parts_.nodes.list_active(nodes, work.active.data());
-  for (int i = 0; i < group.num_nodes; ++i) work.q[i] = trial.q[work.active[i]];
+  for (int i = 0; i < group.num_nodes; ++i) {
+    work.q[i] = trial.q[work.active[i]];
+    work.change_of_q[i] = work.q[i] - q_start_[work.active[i]];
+  }
 }
 
 // Points of a group and their sums.
@@ -177,7 +161,6 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
       work.N[k] += point.V * weights.N_of(e)[i];
       work.change[k] += point.V * point.j * point.g[i];
     }
-    point.w = water.mobility() * (weight - point.grad_p);
     work.V += point.V;
     work.Vj += point.V * point.j;
     work.pV += point.V * point.p;
@@ -194,6 +177,9 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
       return false;
     }
     point.m = water.pores(J);
+    point.kappa = water.mobility() * water.mobility_ratio(J);
+    point.kappa_slope = water.mobility_slope(J);
+    point.w = point.kappa * (water.density * step_.gravity - point.grad_p);
   }
   return true;
 }
@@ -236,88 +222,15 @@ void SeepageForces<dim>::add_volumes(const CellGroup& group, Group& work) {
       r_[node] += (stored + stable) * N - seeped;
     }
   }
+  double mean = 0;
+  for (int k = 0; k < group.num_nodes; ++k) mean += work.change_of_q[k] / group.num_nodes;
+  const double tie = tie_of_nodes(group) * work.V;
   for (int k = 0; k < group.num_nodes; ++k) {
+    r_[work.active[k]] += tie * (work.change_of_q[k] - mean);
     const double squeezed = step_.averages ? work.density * (work.Vj - work.V) * work.N[k] : 0;
     squeezed_[work.active[k]] += squeezed;
     r_[work.active[k]] += squeezed - unstable * work.N[k];
   }
-}
-
-// What one point adds. The pressure of a group, and its volume, are left to add_group_stiffness.
-template <int dim>
-void SeepageForces<dim>::add_point_stiffness(const CellGroup& group, const Work& point,
-                                             Group& work) const {
-  const auto& weights = parts_.weights;
-  const PoreWater& water = *parts_.bodies[group.body].water;
-  const double kappa = water.mobility(), Vj = point.V * point.j;
-  const double p = step_.averages ? work.pV / work.V : point.p;
-  const double change = (point.p - point.p_n) / water.bulk_modulus;
-  const double storage =
-      point.density * point.V0 * point.m * std::exp(change) / water.bulk_modulus +
-      point.V * tau_st_[group.body];
-  const double by_volume = step_.averages ? 0 : point.density * Vj * std::exp(change);
-  const int num = weights.num_nodes(point.entry), rows = group.num_nodes * block_size;
-  const std::uint8_t* local = weights.local_of(point.entry);
-  const double* N = weights.N_of(point.entry);
-  for (int i = 0; i < num; ++i) {
-    const Vector<dim>& g_i = point.g[i];
-    const double g_w = g_i.dot(point.w);
-    for (int k = 0; k < num; ++k) {
-      const Vector<dim>& g_k = point.g[k];
-      const double gg = kappa * g_i.dot(g_k), gw_k = g_k.dot(point.w);
-      double* block = &work.K[static_cast<std::size_t>(local[i]) * block_size * rows +
-                              static_cast<std::size_t>(local[k]) * block_size];
-      double* volumes = block + static_cast<std::ptrdiff_t>(dim) * rows;
-      for (int d = 0; d < dim; ++d) {
-        for (int c = 0; c < dim; ++c) {
-          block[d * rows + c] -= Vj * p * (g_i[d] * g_k[c] - g_k[d] * g_i[c]);
-        }
-        if (!step_.averages) block[d * rows + dim] -= Vj * N[k] * g_i[d];
-        volumes[d] += step_.dt * Vj * (g_w * g_k[d] - gw_k * g_i[d] + gg * point.grad_p[d]) -
-                      by_volume * N[i] * g_k[d];
-      }
-      volumes[dim] -= storage * N[i] * N[k] + step_.dt * Vj * gg;
-    }
-  }
-}
-
-// What the points of a group have in common: K_up, K_pu under F-bar and the mean pressure of the
-// stabilisation.
-template <int dim>
-void SeepageForces<dim>::add_group_stiffness(const CellGroup& group, Group& work) const {
-  const int n = group.num_nodes, rows = n * block_size;
-  const double tau = tau_st_[group.body] * work.V;
-  for (int i = 0; i < n; ++i) {
-    for (int k = 0; k < n; ++k) {
-      double* block = &work.K[static_cast<std::size_t>(i) * block_size * rows +
-                              static_cast<std::size_t>(k) * block_size];
-      double* volumes = block + static_cast<std::ptrdiff_t>(dim) * rows;
-      volumes[dim] += tau * work.N[i] * work.N[k];
-      if (!step_.averages) continue;
-      const double share = work.density * work.N[i] + work.compressed[i] / work.V;
-      for (int d = 0; d < dim; ++d) {
-        block[d * rows + dim] -= work.change[i][d] * work.N[k];
-        volumes[d] -= share * work.change[k][d];
-      }
-    }
-  }
-}
-
-template <int dim>
-void SeepageForces<dim>::add_stiffness(const CellGroup& group, Group& work) const {
-  const std::size_t rows = static_cast<std::size_t>(group.num_nodes) * block_size;
-  const auto& weights = parts_.weights;
-  work.K.assign(rows * rows, 0.0);
-  std::fill_n(work.compressed.begin(), group.num_nodes, 0.0);
-  const double K_w = parts_.bodies[group.body].water->bulk_modulus;
-  for (const Work& point : work.points) {
-    add_point_stiffness(group, point, work);
-    const double by_change = point.density * point.V * std::expm1((point.p - point.p_n) / K_w);
-    for (int i = 0; i < weights.num_nodes(point.entry); ++i) {
-      work.compressed[weights.local_of(point.entry)[i]] += by_change * weights.N_of(point.entry)[i];
-    }
-  }
-  add_group_stiffness(group, work);
 }
 
 template <int dim>
@@ -326,7 +239,7 @@ bool SeepageForces<dim>::evaluate(const Trial& trial, BlockMatrix<block_size>* K
   for (auto* values : {&f_, &r_, &squeezed_, &seeped_}) {
     std::fill(values->begin(), values->end(), 0.0);
   }
-  weight_work_ = 0;
+  weight_work_ = outflow_ = 0;
   Group work;
   for (const std::int32_t g : groups_) {
     const CellGroup& group = parts_.weights.groups[g];
@@ -338,9 +251,9 @@ bool SeepageForces<dim>::evaluate(const Trial& trial, BlockMatrix<block_size>* K
       p_[point.entry] = point.p;
       J_[point.entry] = point.m + (1 - parts_.bodies[group.body].water->porosity);
     }
-    if (!K) continue;
-    add_stiffness(group, work);
-    K->add_cell(g, work.K.data());
+    if (K) add_stiffness(group, work);
+    if (!outlets_.empty()) add_outflow(group, work, K != nullptr);
+    if (K) K->add_cell(g, work.K.data());
   }
   return true;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
+#include "mpm_solver/grid/outer_point.hpp"
 #include "mpm_solver/stress/stress_parts.hpp"
 
 namespace gabion::mpm {
@@ -33,6 +34,10 @@ class SeepageForces {
 
   SeepageForces(const StressParts<dim>& parts, const SeepageStepData<dim>& step);
 
+  /// Let water leave at these points where it is under pressure, and none in. Replaces earlier
+  /// ones.
+  void open(const BackgroundGrid<dim>& grid, std::span<const OuterPoint<dim>> surface);
+
   /// Unknowns of a trial state.
   struct Trial {
     std::span<const double> du;  ///< num_nodes x dim [m]
@@ -50,6 +55,8 @@ class SeepageForces {
   const std::vector<double>& forces() const { return f_; }
   /// Volume that is missing at each node: r of the balance of water, num_nodes [m^3].
   const std::vector<double>& volumes() const { return r_; }
+  /// Volume of water that leaves at the points of open(), in the last evaluation [m^3].
+  double outflow() const { return outflow_; }
   /// Work of gravity on the water that seeps through the skeleton, in the last evaluation [J].
   double weight_work() const { return weight_work_; }
   /// Norm of what the balance of water consists of [m^3].
@@ -57,7 +64,7 @@ class SeepageForces {
 
   /// q of the nodes that fits the accepted pressures best, as a guess [Pa]; 0 at dry nodes.
   std::vector<double> start_heads() const;
-  /// 1 for nodes that act on points whose water drains by more than rounding, num_nodes.
+  /// 1 for nodes that may act on points whose water drains, num_nodes.
   const std::vector<char>& wet() const { return wet_; }
   /// p of water at rest that q leaves out, at a place [Pa].
   double at_rest(std::int32_t body, const Vector<dim>& x) const;
@@ -75,26 +82,38 @@ class SeepageForces {
  private:
   struct Work;
   struct Group;
+  /// A place where water may leave.
+  struct Outlet {
+    std::int32_t entry = 0;
+    std::array<double, dim == 2 ? 9 : 27> w = {};  // of the nodes of the entry
+    double at_rest = 0;                            // pressure that q leaves out there [Pa]
+    double drained = 0;                            // volume in the step by pressure [m^3/Pa]
+  };
   void list_wet();
+  double tie_of_nodes(const CellGroup& group) const;
   double stabilisation(std::int32_t body) const;
   void gather(const CellGroup& group, const Trial& trial, Group& work) const;
   bool sum_up(const CellGroup& group, Group& work, RefusedPoint& worst) const;
   void add_forces(const CellGroup& group, Group& work);
   void add_volumes(const CellGroup& group, Group& work);
+  void add_outflow(const CellGroup& group, Group& work, bool with_stiffness);
   void add_stiffness(const CellGroup& group, Group& work) const;
   void add_point_stiffness(const CellGroup& group, const Work& point, Group& work) const;
+  void add_mobility_stiffness(const CellGroup& group, const Work& point, Group& work) const;
   void add_group_stiffness(const CellGroup& group, Group& work) const;
 
   StressParts<dim> parts_;
   SeepageStepData<dim> step_;
   double modulus_ = 0;
-  double weight_work_ = 0;
+  double weight_work_ = 0, outflow_ = 0;
+  std::vector<Outlet> outlets_;       // ascending entries
   std::vector<std::int32_t> groups_;  // of the weights, those of bodies that drain
   std::vector<double> tau_st_;        // of each body [1/Pa]
   std::vector<double> p_n_;           // accepted pressure of each entry [Pa]
   std::vector<double> p_;             // of each entry in the last evaluation [Pa]
   std::vector<double> J_;             // volume ratio of each entry since it was free of stress
   std::vector<char> wet_;
+  std::vector<double> q_start_;  // start_heads()
   std::vector<double> f_, r_, squeezed_, seeped_;
 };
 

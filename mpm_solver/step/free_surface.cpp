@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/step/free_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "mpm_solver/small_cuts/ghost_stiffness.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// Sides of a point within which another one is its continuation: rows of regular points are one
+// side apart, and two that are strained by half of it.
+constexpr double reach_of_points = 1.5;
+// The same within which points tell where the soil is.
+constexpr double reach_of_normals = 2;
+// Points straight beside a normal of 45 degrees lie on the cone.
+constexpr double rounding = 1e-6;
+
+template <int dim>
+class Search {
+ public:
+  using Index = typename BoxGrid<dim>::Index;
+
+  explicit Search(const SurroundingsOfSoil<dim>& parts) : parts_(parts), box_(*parts.grid.box) {
+    list_points();
+    list_walls();
+  }
+
+  void add_points_of(std::int32_t body, std::vector<OuterPoint<dim>>& found) const {
+    const auto& points = parts_.points;
+    for (std::int32_t p = points.body_starts[body]; p < points.body_starts[body + 1]; ++p) {
+      if (!near_border(points.cell[p])) continue;
+      const Vector<dim> n = normal(p);
+      if (meets_point(p, n) || meets_wall(p, n)) continue;
+      const OuterPoint<dim> point = at_surface(p, n);
+      if (!meets_surface(point)) found.push_back(point);
+    }
+  }
+
+ private:
+  // The points of each cell, one cell after the other, and the share of it that they fill.
+  void list_points() {
+    const auto& points = parts_.points;
+    starts_.assign(static_cast<std::size_t>(box_.num_cells_total()) + 1, 0);
+    fill_.assign(box_.num_cells_total(), 0.0);
+    for (std::int32_t p = 0; p < points.size(); ++p) {
+      ++starts_[points.cell[p] + 1];
+      fill_[points.cell[p]] += volume(p);
+    }
+    for (std::size_t c = 1; c < starts_.size(); ++c) starts_[c] += starts_[c - 1];
+    std::vector<std::int32_t> next(starts_.begin(), starts_.end() - 1);
+    of_cells_.resize(points.size());
+    for (std::int32_t p = 0; p < points.size(); ++p) of_cells_[next[points.cell[p]]++] = p;
+  }
+
+  Index lattice_index(std::int32_t node) const {
+    return box_.lattice_position(box_.node_position(node)).array().round().template cast<int>();
+  }
+
+  // Bit 2 d + end of a node: a facet of a wall across axis d has it, at that end of the grid.
+  void list_walls() {
+    walled_.assign(box_.num_nodes_total(), 0);
+    const std::size_t n = num_nodes(facet_type(BoxGrid<dim>::cell_type));
+    for (const WallSettings& wall : parts_.walls) {
+      const auto& nodes = find_facets(parts_.grid.facet_groups, wall.group, wall.where);
+      for (std::size_t first = 0; first < nodes.size(); first += n) {
+        int sides = (1 << (2 * dim)) - 1;
+        for (std::size_t k = 0; k < n; ++k) sides &= sides_at(lattice_index(nodes[first + k]));
+        for (std::size_t k = 0; k < n; ++k) walled_[nodes[first + k]] |= sides;
+      }
+    }
+  }
+  int sides_at(const Index& at) const {
+    int sides = 0;
+    for (int d = 0; d < dim; ++d) {
+      if (at[d] == 0) sides |= 1 << (2 * d);
+      if (at[d] == box_.num_cells[d]) sides |= 2 << (2 * d);
+    }
+    return sides;
+  }
+
+  // Volume over that of a cell.
+  double volume(std::int32_t p) const {
+    return parts_.points.V0[p] * parts_.points.J[p] / box_.spacing.prod();
+  }
+  // Side of a cube of that volume, by the spacing of the grid.
+  double side(std::int32_t p) const { return std::pow(volume(p), 1.0 / dim); }
+
+  // Act on the points of all bodies within `reach` of a place and, on the images of them in walls,
+  // as act(point, way to it). @param images  whether soil goes on behind walls as its mirror image
+  template <class Act>
+  void for_points_near(const Vector<dim>& t, double reach, bool images, const Act& act) const {
+    Index low, count;
+    for (int d = 0; d < dim; ++d) {
+      low[d] = std::max(0, static_cast<int>(std::floor(t[d] - reach)));
+      const int high = std::min(box_.num_cells[d] - 1, static_cast<int>(std::floor(t[d] + reach)));
+      count[d] = high - low[d] + 1;
+    }
+    for (int k = 0; k < count.prod(); ++k) {
+      Index at = low;
+      for (int d = 0, rest = k; d < dim; rest /= count[d], ++d) at[d] += rest % count[d];
+      std::int32_t cell = 0;
+      for (int d = dim; d-- > 0;) cell = cell * box_.num_cells[d] + at[d];
+      for (std::int32_t s = starts_[cell]; s < starts_[cell + 1]; ++s) {
+        const std::int32_t q = of_cells_[s];
+        const Vector<dim> place = box_.lattice_position(parts_.points.x[q]);
+        for (int image = 0; image < (images ? 1 << dim : 1); ++image) {
+          const auto mirrored = mirror(place, at, t, image);
+          if (mirrored && (*mirrored - t).norm() <= reach) act(q, Vector<dim>(*mirrored - t));
+        }
+      }
+    }
+  }
+
+  // The image of a place in the walls that are nearest to t across the axes of `image`, a bit each.
+  std::optional<Vector<dim>> mirror(const Vector<dim>& place, const Index& cell,
+                                    const Vector<dim>& t, int image) const {
+    Vector<dim> mirrored = place;
+    for (int d = 0; d < dim; ++d) {
+      if ((image >> d) % 2 == 0) continue;
+      const int end = 2 * t[d] > box_.num_cells[d] ? 1 : 0;
+      Index at = cell;
+      at[d] = end == 1 ? box_.num_cells[d] - 1 : 0;
+      if (!is_walled(at, d, end)) return std::nullopt;
+      mirrored[d] = 2.0 * end * box_.num_cells[d] - place[d];
+    }
+    return mirrored;
+  }
+
+  // Whether a wall holds the facet of a cell at an end of the grid.
+  bool is_walled(const Index& cell, int d, int end) const {
+    for (int corner = 0; corner < 1 << dim; ++corner) {
+      if ((corner >> d) % 2 != end) continue;
+      Index at = cell;
+      for (int c = 0; c < dim; ++c) at[c] += (corner >> c) % 2;
+      if ((walled_[box_.node(at)] >> (2 * d + end)) % 2 == 0) return false;
+    }
+    return true;
+  }
+
+  // Away from the points around it, by the spacing of the grid. A point amid others looks up.
+  Vector<dim> normal(std::int32_t p) const {
+    const double reach = reach_of_normals * side(p);
+    Vector<dim> sum = Vector<dim>::Zero();
+    double all = 0;
+    for_points_near(box_.lattice_position(parts_.points.x[p]), reach, true,
+                    [&](std::int32_t q, const Vector<dim>& way) {
+                      const double near = 1 - way.squaredNorm() / (reach * reach);
+                      sum -= volume(q) * near * way;
+                      all += volume(q) * near * way.norm();
+                    });
+    const double size = sum.norm();
+    if (size > rounding * all) return sum / size;
+    return Vector<dim>::Unit(dim - 1);
+  }
+
+  bool near_border(std::int32_t cell) const {
+    const auto small = [&](std::int32_t c) { return c < 0 || fill_[c] < small_cut_fill; };
+    return small(cell) || std::ranges::any_of(box_.neighbours(cell), small);
+  }
+
+  bool meets_point(std::int32_t p, const Vector<dim>& n) const {
+    bool meets = false;
+    for_points_near(box_.lattice_position(parts_.points.x[p]), reach_of_points * side(p), false,
+                    [&](std::int32_t q, const Vector<dim>& way) {
+                      const double along = (std::numbers::sqrt2 / 2 - rounding) * way.norm();
+                      if (q != p && way.dot(n) >= along) meets = true;
+                    });
+    return meets;
+  }
+
+  // Whether the way out of the grid leads through facets of a wall.
+  bool meets_wall(std::int32_t p, const Vector<dim>& n) const {
+    const Vector<dim> t = box_.lattice_position(parts_.points.x[p]) + side(p) * n;
+    const Index cell = box_.cell_index(parts_.points.cell[p]);
+    for (int d = 0; d < dim; ++d) {
+      const int end = t[d] > box_.num_cells[d] ? 1 : 0;
+      if ((t[d] < 0 || end == 1) && is_walled(cell, d, end)) return true;
+    }
+    return false;
+  }
+
+  OuterPoint<dim> at_surface(std::int32_t p, const Vector<dim>& lattice_normal) const {
+    OuterPoint<dim> point{.point = p, .n = lattice_normal.cwiseQuotient(box_.spacing)};
+    point.n.normalize();
+    const Vector<dim> sides = side(p) * box_.spacing;
+    // Points of Gauss's rule lie nearer to the side of their cell than half of what they fill.
+    point.R = std::min(0.5 * sides.cwiseProduct(point.n).norm(), parts_.points.depth[p]);
+    int across = 0;
+    lattice_normal.cwiseAbs().maxCoeff(&across);
+    point.area = sides.prod() / sides[across] / std::abs(point.n[across]);
+    return point;
+  }
+
+  bool meets_surface(const OuterPoint<dim>& point) const {
+    if (!parts_.surfaces) return false;
+    const Vector<dim>& x = parts_.points.x[point.point];
+    return parts_.surfaces->is_behind(x + 2 * point.R * point.n, x);
+  }
+
+  const SurroundingsOfSoil<dim>& parts_;
+  const BoxGrid<dim>& box_;
+  std::vector<std::int32_t> starts_, of_cells_;  // points of each cell
+  std::vector<double> fill_;                     // of each cell, share of its volume
+  std::vector<int> walled_;                      // of each node, see list_walls
+};
+
+}  // namespace
+
+template <int dim>
+std::vector<OuterPoint<dim>> find_free_surface(const SurroundingsOfSoil<dim>& parts,
+                                               std::span<const std::int32_t> bodies) {
+  const Search<dim> search(parts);
+  std::vector<OuterPoint<dim>> found;
+  for (const std::int32_t body : bodies) search.add_points_of(body, found);
+  return found;
+}
+
+template std::vector<OuterPoint<2>> find_free_surface<2>(const SurroundingsOfSoil<2>&,
+                                                         std::span<const std::int32_t>);
+template std::vector<OuterPoint<3>> find_free_surface<3>(const SurroundingsOfSoil<3>&,
+                                                         std::span<const std::int32_t>);
+
+}  // namespace gabion::mpm

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Of SeepageForces alone: what it finds of a group of points.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mpm_solver/stress/seepage_forces.hpp"
+
+namespace gabion::mpm {
+
+/// One point of a group in the step.
+template <int dim>
+struct SeepageForces<dim>::Work {
+  std::int32_t entry = 0;
+  double V = 0, V0 = 0, j = 1, m = 0;  // at the start, free of stress; volume ratio; pores over V0
+  double p = 0, p_n = 0;
+  double density = 1;                        // of the water under p_n, by that free of pressure
+  Vector<dim> grad_p = Vector<dim>::Zero();  // at the end of the step
+  double kappa = 0, kappa_slope = 0;         // mobility, d ln kappa / d ln J
+  Vector<dim> w = Vector<dim>::Zero();       // flux of Darcy [m/s]
+  std::array<Vector<dim>, max_group_nodes<dim>> g;  // of each of its nodes
+};
+
+/// The points of a group and their sums.
+template <int dim>
+struct SeepageForces<dim>::Group {
+  std::array<double, max_group_nodes<dim> * dim> du;
+  std::array<double, max_group_nodes<dim>> q, change_of_q;
+  std::vector<Work> points;
+  double V = 0, Vj = 0, pV = 0, p_nV = 0;
+  double density = 0;                                    // mean
+  std::array<double, max_group_nodes<dim>> N;            // mean of each node
+  std::array<Vector<dim>, max_group_nodes<dim>> change;  // d(sum V j) / du of each node
+  std::array<double, max_group_nodes<dim>> compressed;   // V (exp(dp / K_w) - 1) at each node
+  std::array<std::int32_t, max_group_nodes<dim>> active;
+  std::vector<double> K;  // row by row
+};
+
+}  // namespace gabion::mpm
