@@ -92,7 +92,7 @@ def triangles_of(faces: np.ndarray) -> np.ndarray:
 
 def packed_walls(results: Results, times: np.ndarray, most: int) -> list[dict[str, Any]]:
     """Rigid walls of a scene in space as triangles, anticlockwise as seen from the soil: corners as 16-bit numbers
-    of a box of their own, poses of those that move, and until when [s] those act that a phase drops.
+    of a box of their own, poses of those that move, until when [s] those act that a phase drops, and whether it is ground.
 
     most: triangles of all walls.
     """
@@ -104,7 +104,8 @@ def packed_walls(results: Results, times: np.ndarray, most: int) -> list[dict[st
     if not present:
         tiles = rigid_walls(results)
         corners = [tile[triangles_of(np.arange(4)[None]).ravel()].reshape(-1, 3, 3) for wall in tiles for tile in wall]
-        return [_wall(np.concatenate(corners), None, None)] if corners else []
+        return [_wall(np.concatenate(corners)) | {"poses": None, "until": None, "ground": False}] if corners else []
+    ground = {wall["name"] for wall in settings["rigid_walls"] if "triangles" in wall.get("surface", {})}
     packed = []
     for name in present:
         first = series[name].frame(0)
@@ -114,12 +115,12 @@ def packed_walls(results: Results, times: np.ndarray, most: int) -> list[dict[st
                       for points in frames)
         centre = first.points.mean(axis=0)
         poses = None if at_rest else packed_poses(first.points - centre, frames)
-        packed.append(_wall(triangles - (0 if at_rest else centre), poses, dropped.get(name)))
+        packed.append(_wall(triangles - (0 if at_rest else centre)) | {"poses": poses, "until": dropped.get(name),
+                                                                       "ground": name in ground})
     return packed
 
 
-def _wall(triangles: np.ndarray, poses: str | None, until: float | None) -> dict[str, Any]:
+def _wall(triangles: np.ndarray) -> dict[str, Any]:
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     share = (triangles - low) / np.maximum(high - low, 1e-300)
-    return {"low": low.tolist(), "high": high.tolist(), "corners": text_of(np.round(65535 * share).astype("<u2")),
-            "poses": poses, "until": until}
+    return {"low": low.tolist(), "high": high.tolist(), "corners": text_of(np.round(65535 * share).astype("<u2"))}

@@ -215,7 +215,7 @@ class Scene {
     if (!field) return;
     PALETTE.forEach((colour, k) => {
       pen.fillStyle = colour;
-      pen.fillRect(x + k, y, 1, 12);
+      pen.fillRect(x + k, y, Math.min(2, PALETTE.length - k), 12);  // no seams where it is drawn smaller
     });
     pen.fillStyle = getComputedStyle(document.body).color;
     pen.fillText(`${digits(field.low)} to ${digits(field.high)}: ${field.label}`, x + 270, y + 12);

@@ -152,11 +152,11 @@ class Space {
     return {object, poses: boulder.poses};
   }
 
-  // Walls are seen from the side of the soil alone: one between the eye and the soil does not hide it.
+  // Walls are seen from the side of the soil alone: one between the eye and the soil does not hide it. Ground does.
   addWall(packed) {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(new Uint16Array(bytes(packed.corners)), 3, true));
-    const object = this.surface(geometry, FLOOR, THREE.FrontSide);
+    const object = this.surface(geometry, FLOOR, packed.ground ? THREE.DoubleSide : THREE.FrontSide);
     Object.assign(object.material, {polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
     this.inBox(object, packed.low, packed.high);
     if (!packed.poses) return {object, until: packed.until};
