@@ -92,7 +92,8 @@ def triangles_of(faces: np.ndarray) -> np.ndarray:
 
 def packed_walls(results: Results, times: np.ndarray, most: int) -> list[dict[str, Any]]:
     """Rigid walls of a scene in space as triangles, anticlockwise as seen from the soil: corners as 16-bit numbers
-    of a box of their own, poses of those that move, until when [s] those act that a phase drops, and whether it is ground.
+    of a box of their own, poses of those that move, until when [s] those act that a phase drops, and whether each is
+    ground.
 
     most: triangles of all walls.
     """

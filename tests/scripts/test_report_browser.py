@@ -15,7 +15,8 @@ import sys
 import unittest
 from unittest import mock
 
-from made_up_results import KINDS, write_boulder, write_kind, write_rigid_walls, write_space_results
+import numpy as np
+from made_up_results import KINDS, write_boulder, write_kind, write_rigid_walls, write_series, write_space_results
 from script_case import ScriptCase
 
 CHROMIUM = shutil.which("chromium")
@@ -61,7 +62,7 @@ found.lacking = (document.getElementById("space-lacking") || {textContent: ""}).
 found.wide = document.documentElement.scrollWidth - window.innerWidth;
 if (turning) {
   const shot = () => {  // as soon as it is drawn: later the browser may have cleared it
-    document.querySelector("#scene select").dispatchEvent(new Event("change"));
+    document.querySelector("#scene input").dispatchEvent(new Event("input"));
     const copy = Object.assign(document.createElement("canvas"), {width: turning.width, height: turning.height});
     const pen = copy.getContext("2d");
     pen.drawImage(turning, 0, 0);
@@ -127,6 +128,8 @@ if (!document.getElementById("scene").hidden) {
   const painted = (data) => { let n = 0; for (let k = 3; k < data.length; k += 4) n += data[k] > 0; return n; };
   const last = pixels();
   found.painted = painted(last) / (width * height);
+  const brown = (r, g, b) => r > 80 && r <= 141 && r > g && g > b && r - b <= 30;
+  found.boulder = last.reduce((n, r, k) => n + (k % 4 === 0 && brown(r, last[k + 1], last[k + 2])), 0);
   const time = document.querySelector("#scene input");
   time.value = 0;
   time.dispatchEvent(new Event("input"));
@@ -144,7 +147,8 @@ class Browser(ScriptCase):
         file = self.write("page.html", text)
         done = subprocess.run(
             [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader",
-             "--enable-logging=stderr", "--v=0", "--virtual-time-budget=5000", *options, f"--user-data-dir={self.folder / 'browser'}", "--dump-dom",
+             "--enable-logging=stderr", "--v=0", "--virtual-time-budget=5000", *options,
+             f"--user-data-dir={self.folder / 'browser'}", "--dump-dom",
              f"file://{file}"],
             capture_output=True, text=True, timeout=600, check=False)
         self.assertEqual(done.returncode, 0, done.stderr[-2000:])
@@ -190,6 +194,7 @@ class Browser(ScriptCase):
 
     def test_with_rigid_walls(self) -> None:
         _, found = self.read(write_rigid_walls(write_kind(self.folder / "walls", "finished")))
+        self.assertLess(found["boulder"], 100)
         self.assertGreater(found["painted"], 0.1)
         self.assertIs(found["moved"], True)
 
@@ -199,6 +204,7 @@ class Browser(ScriptCase):
             with self.subTest(options):
                 _, found = self.read(folder, *options)
                 self.expect_flat_view(found)
+                self.assertGreater(found["boulder"], 1000)
                 self.assertEqual((found["lacking"], found["fetched"]), ("", 0))
                 self.assertLessEqual(found["wide"], 0)
                 space = found["space"]
@@ -223,10 +229,24 @@ class Browser(ScriptCase):
         self.assertEqual(console, [])
         self.assertIn("libjs-three: install it and write this page once more.", self.found_in(dom)["lacking"])
 
+    def test_ropes_in_space_without_soil(self) -> None:
+        folder = write_space_results(self.folder / "ropes")
+        for path in (folder / "mpm").glob("soil*"):
+            path.unlink()
+        ends = np.array([[0.0, 0, 0], [1, 0, 0.3], [1, 1, 0], [0, 1, 0.3]])
+        cells = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
+        write_series(folder / "fem", "structure", [(t, ends * (1 + t), cells, {"displacement": ends * t})
+                                                   for t in (0.0, 0.5)])
+        _, found = self.read(folder)
+        self.assertEqual(found["frame"], "0")
+        for what in ("turned", "panned", "zoomed", "keys", "pinched", "moved", "hidden"):
+            self.assertIs(found["space"][what], True, what)
+
     def test_boulders_in_2d(self) -> None:
         folder = write_boulder(write_kind(self.folder / "flat", "finished"), 2)
         _, found = self.read(folder)
         self.expect_flat_view(found)
+        self.assertGreater(found["boulder"], 1000)
         self.assertEqual(found["lacking"], "")
 
     def expect_flat_view(self, found: dict) -> None:
