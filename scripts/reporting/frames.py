@@ -4,6 +4,7 @@
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from plotting.results import Frame, Results, Series, evenly
 from plotting.scene import ScenePlot, label_of, scalar
@@ -112,7 +113,18 @@ class Packer:
         camera = camera_of(self.results.gravity, np.ptp(every, axis=0), 0, 0)
         return {"right": camera.right.tolist(), "up": camera.up.tolist(), "eye": camera.eye.tolist(),
                 "low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist(),
+                "size": self._ball_size(frames[0].points) if frames else 0,
                 "walls": packed_walls(self.results, times, MAX_GROUND)}
+
+    def _ball_size(self, points: np.ndarray) -> float:
+        """Distance of points [m], in a lattice that of its six nearest; larger where not all of them are drawn.
+
+        The extent of a body says less of it: one in a gully fills its box by a part only.
+        """
+        some = points[evenly(len(points), 2000)]
+        near = cKDTree(points).query(some, k=min(7, len(points)))[0].reshape(len(some), -1)[:, -1]
+        size = min(float(np.median(near)), self.scene.size) or self.scene.size
+        return size * max(1.0, len(points) / max(1, self.num_points)) ** (1 / 3)
 
     def _ground(self) -> dict[str, Any]:
         """Triangles of the ground, those behind first: x, y of each corner, brightness of each triangle."""

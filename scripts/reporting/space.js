@@ -122,7 +122,7 @@ class Space {
     geometry.setAttribute("value", new THREE.BufferAttribute(new Uint8Array(most).fill(128), 1, true));
     const palette = MAP.map((colour) => new THREE.Vector3(...colour.map((c) => c / 255)));
     const material = new THREE.ShaderMaterial({vertexShader: BALL_VERTEX, fragmentShader: BALL_FRAGMENT,
-      uniforms: {size: {value: 1.25 * this.scene.data.size}, pixels: {value: 1}, palette: {value: palette}}});
+      uniforms: {size: {value: 1.25 * this.data.size}, pixels: {value: 1}, palette: {value: palette}}});
     this.soil = this.inBox(new THREE.Points(geometry, material), ...this.scene.data.box);
   }
 
@@ -157,7 +157,6 @@ class Space {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(new Uint16Array(bytes(packed.corners)), 3, true));
     const object = this.surface(geometry, FLOOR, packed.ground ? THREE.DoubleSide : THREE.FrontSide);
-    Object.assign(object.material, {polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
     this.inBox(object, packed.low, packed.high);
     if (!packed.poses) return {object, until: packed.until};
     const group = new THREE.Group();

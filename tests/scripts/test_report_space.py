@@ -84,6 +84,20 @@ class Space(ScriptCase):
         normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         np.testing.assert_allclose(normals, [[0, 0, 4]] * 2, atol=1e-3)
 
+    def test_balls_are_as_large_as_their_distance(self) -> None:
+        """Of a slope in a gully that fills half its box, too; points of it are far from those of another body."""
+        from plotting.results import Results  # noqa: PLC0415
+        from reporting.frames import Packer  # noqa: PLC0415
+        write_space_results(self.folder)
+        packer = Packer(Results(self.folder))
+        packer.scene.size = 1.0
+        lattice = np.stack(np.meshgrid(*[0.1 * np.arange(20)] * 3), axis=-1).reshape(-1, 3)
+        slope = lattice[lattice[:, 0] + lattice[:, 2] < 1.95]
+        packer.num_points = len(slope)
+        self.assertAlmostEqual(packer._ball_size(slope), 0.1)
+        packer.num_points = len(slope) / 8
+        self.assertAlmostEqual(packer._ball_size(slope), 0.2)
+
     def test_up_is_against_gravity(self) -> None:
         for up, gravity in ((2, -9.81), (1, -9.81), (2, 9.81)):
             space = self.packed(write_space_results(self.folder / f"{up}{gravity}", up, gravity))["space"]
