@@ -21,7 +21,7 @@ class Orbit {
   }
 
   reset() {
-    [this.azimuth, this.elevation, this.zoom] = [0.5, 0.55, 1];
+    [this.azimuth, this.elevation, this.zoom] = [0.5, 0.6, 1];
     this.target = [...this.ball.centre];
     this.moved();
   }

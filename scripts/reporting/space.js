@@ -70,6 +70,7 @@ class Space {
     this.addSoil();
     this.structures = scene.structures.map((each) => this.addStructure(each));
     this.boulders = scene.boulders.map((each) => this.addBoulder(each));
+    this.undersides = [];
     this.walls = this.data.walls.map((each) => this.addWall(each));
     this.orbit = new Orbit(this.canvas, this.data, this.ball, () => this.orbit && this.draw());
     window.addEventListener("resize", () => this.draw());
@@ -156,7 +157,8 @@ class Space {
   addWall(packed) {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(new Uint16Array(bytes(packed.corners)), 3, true));
-    const object = this.surface(geometry, FLOOR, packed.ground ? THREE.DoubleSide : THREE.FrontSide);
+    const object = this.surface(geometry, FLOOR, THREE.FrontSide);
+    if (packed.ground) object.add(this.underside(geometry));
     this.inBox(object, packed.low, packed.high);
     if (!packed.poses) return {object, until: packed.until};
     const group = new THREE.Group();
@@ -165,6 +167,15 @@ class Space {
     group.add(object);
     this.root.add(group);
     return {object: group, poses: new Float32Array(bytes(packed.poses)), until: packed.until};
+  }
+
+  // The ground from below. Balls of the lowest points reach through it: it is drawn nearer by their size, see setCamera.
+  underside(geometry) {
+    const object = this.surface(geometry, FLOOR, THREE.BackSide);
+    object.material.polygonOffset = true;
+    object.frustumCulled = false;
+    this.undersides.push(object.material);
+    return object;
   }
 
   setPose({object, poses}, frame) {
@@ -209,7 +220,10 @@ class Space {
     this.camera.updateProjectionMatrix();
     const lamp = eye.map((x, k) => x + 1.2 * up[k] - 0.7 * right[k]);
     this.lamp.position.set(...lamp);
-    if (this.soil) this.soil.material.uniforms.pixels.value = this.canvas.height / (2 * half);
+    if (!this.soil) return;
+    const {size, pixels} = this.soil.material.uniforms;
+    pixels.value = this.canvas.height / (2 * half);
+    for (const material of this.undersides) material.polygonOffsetFactor = -size.value * pixels.value / distance;
   }
 
   draw() {
