@@ -32,7 +32,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "bash, openmpi-bin, libopenblas0-pthread, python3 (>= 3.11), python3-numpy, \
 python3-scipy, python3-zmq, python3-matplotlib, python3-h5py, python3-jsonschema")
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-gdal")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-gdal, libjs-three")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-dolfinx, calculix-ccx, chromium")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/prerm)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)

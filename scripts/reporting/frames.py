@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The scene over time in few bytes: positions as 16-bit numbers, fields as 8-bit numbers."""
 
-import base64
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from plotting.results import Frame, Results, Series, evenly
 from plotting.scene import ScenePlot, label_of, scalar
+from plotting.space import camera_of
+from plotting.view import FACES, outer_faces
+from reporting.rigid import boulder_bytes, packed_boulders, packed_walls, text_of
 
 MAX_BYTES = 1_500_000  # of all frames, before they become text
 MAX_FRAMES, MIN_FRAMES = 80, 12
@@ -15,14 +18,12 @@ MAX_GROUND = 12_000  # triangles
 FIELDS = ("displacement", "velocity", "excess_pore_pressure", "plastic_strain", "pressure")
 
 
-def text_of(array: np.ndarray) -> str:
-    return base64.b64encode(np.ascontiguousarray(array).tobytes()).decode("ascii")
-
-
 class Packer:
-    """Packs the frames of one scene, seen as scripts/plot sees it."""
+    """Packs the frames of one scene, seen as scripts/plot sees it; those of a scene in space in its three coordinates.
+    """
 
     def __init__(self, results: Results) -> None:
+        self.results = results
         self.scene = ScenePlot(results, most_ground=MAX_GROUND)
         self.view = self.scene.view
         self.meshes = [self._mesh(structure) for structure in self.scene.structures]
@@ -30,27 +31,46 @@ class Packer:
         first = soil.frame(0) if soil else None
         self.fields = [name for name in FIELDS if first and name in first.fields][:3]
         self.num_points = len(first.points) if first else 0
-        a_point = 4 + len(self.fields)
-        a_frame = 4 * sum(len(used) for used, _ in self.meshes)
+        a_place = 2 * results.dim
+        a_point = a_place + len(self.fields)
+        shapes, a_frame = boulder_bytes(results)
+        a_frame += a_place * sum(len(used) for used, _ in self.meshes)
         a_frame += sum(16 * len(segments) for segments in self.scene.rigid_walls.at(self.scene.times[0]))
         for points in (self.num_points, 4000, 2000, 1000):
             self.num_points = min(self.num_points, points)
-            frames = MAX_BYTES // max(1, a_frame + a_point * self.num_points)
+            frames = max(0, MAX_BYTES - shapes) // max(1, a_frame + a_point * self.num_points)
             if frames >= min(MIN_FRAMES, len(self.scene.times)):
                 break
         count = min(MAX_FRAMES, max(2, frames), len(self.scene.times))
         self.numbers = evenly(len(self.scene.times), count)
 
     def _mesh(self, structure: Series) -> tuple[np.ndarray, np.ndarray]:
-        """Nodes that are seen, and faces of them."""
+        """Nodes that are seen, and faces of them; in space from all sides."""
         first = structure.frame(0)
-        faces = self.view.faces(first.points, first.cells)
+        if self.view.dim == 3 and first.cells.shape[1] in FACES:
+            faces = outer_faces(first.cells)
+        else:
+            faces = self.view.faces(first.points, first.cells)
         used, numbers = np.unique(faces, return_inverse=True)
         return used, numbers.reshape(faces.shape)
 
+    def _front(self, structure: Series, used: np.ndarray, faces: np.ndarray) -> np.ndarray:
+        """Numbers of the faces that the flat view draws, in their order."""
+        first = structure.frame(0)
+        number = {tuple(sorted(face)): k for k, face in enumerate(used[faces].tolist())}
+        return np.array([number[tuple(sorted(face))] for face in self.view.faces(first.points, first.cells).tolist()])
+
+    def _set_box(self, clouds: list[np.ndarray]) -> None:
+        """The box of the places: the window; in space that of all that moves."""
+        if self.view.dim == 2:
+            self.low, self.high = self.scene.low, self.scene.high
+            return
+        self.low = np.min([cloud.min(axis=0) for cloud in clouds], axis=0)
+        self.high = np.max([cloud.max(axis=0) for cloud in clouds], axis=0)
+        self.high = np.maximum(self.high, self.low + 1e-9 * np.ptp([self.low, self.high], axis=0).max())
+
     def _places(self, points: np.ndarray) -> str:
-        span = self.scene.high - self.scene.low
-        share = np.clip((self.view.project(points) - self.scene.low) / span, 0, 1)
+        share = np.clip((points[:, : len(self.low)] - self.low) / (self.high - self.low), 0, 1)
         return text_of(np.round(65535 * share).astype("<u2"))
 
     def _chosen(self, frame: Frame) -> np.ndarray:
@@ -62,16 +82,49 @@ class Packer:
 
     def pack(self) -> dict[str, Any]:
         times = self.scene.times[self.numbers]
+        soil = self.scene.soil
+        frames = [soil.frame(soil.nearest(time)) for time in times] if soil else []
+        moving = [[structure.frame(structure.nearest(time)).points[used] for time in times]
+                  for structure, (used, _) in zip(self.scene.structures, self.meshes)]
+        self._set_box([frame.points for frame in frames] + [points for each in moving for points in each])
         packed = {"low": self.scene.low.tolist(), "high": self.scene.high.tolist(), "labels": self.view.labels,
+                  "box": [self.low.tolist(), self.high.tolist()], "across": self.view.across, "up": self.view.up,
                   "inverted": self.view.inverted, "times": times.tolist(),
-                  "fields": [], "soil": [], "structures": []}
-        if self.scene.soil:
-            packed |= self._soil()
-        for structure, (used, faces) in zip(self.scene.structures, self.meshes):
-            frames = [self._places(structure.frame(structure.nearest(time)).points[used]) for time in times]
-            packed["structures"].append({"corners": faces.shape[1], "faces": text_of(faces.astype("<u4")),
-                                         "frames": frames})
+                  "fields": [], "soil": [], "structures": [], "boulders": packed_boulders(self.results, times)}
+        if soil:
+            packed |= self._soil(frames)
+        for structure, (used, faces), places in zip(self.scene.structures, self.meshes, moving):
+            mesh = {"corners": faces.shape[1], "faces": text_of(faces.astype("<u4")),
+                    "frames": [self._places(points) for points in places]}
+            if self.view.dim == 3:
+                mesh["front"] = text_of(self._front(structure, used, faces).astype("<u4"))
+            packed["structures"].append(mesh)
+        if self.view.dim == 3:
+            packed["space"] = self._space(times, frames, moving)
         return packed | self._walls(times) | self._ground()
+
+    def _space(self, times: np.ndarray, frames: list[Frame], moving: list[list[np.ndarray]]) -> dict[str, Any]:
+        """The first look of the view that turns: directions to the right, upwards (against gravity) and towards the
+        eye; the box that it shows, without the few points that fly far; rigid walls."""
+        clouds = [np.percentile(frame.points, [0.5, 99.5], axis=0) for frame in frames]
+        clouds += [points for each in moving for points in each]
+        clouds += [faces.reshape(-1, 3) for time in times for faces in self.scene.boulders.at(time)]
+        every = np.vstack([[cloud.min(axis=0), cloud.max(axis=0)] for cloud in clouds])
+        camera = camera_of(self.results.gravity, np.ptp(every, axis=0), 0, 0)
+        return {"right": camera.right.tolist(), "up": camera.up.tolist(), "eye": camera.eye.tolist(),
+                "low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist(),
+                "size": self._ball_size(frames[0].points) if frames else 0,
+                "walls": packed_walls(self.results, times, MAX_GROUND)}
+
+    def _ball_size(self, points: np.ndarray) -> float:
+        """Distance of points [m], in a lattice that of its six nearest; larger where not all of them are drawn.
+
+        The extent of a body says less of it: one in a gully fills its box by a part only.
+        """
+        some = points[evenly(len(points), 2000)]
+        near = cKDTree(points).query(some, k=min(7, len(points)))[0].reshape(len(some), -1)[:, -1]
+        size = min(float(np.median(near)), self.scene.size) or self.scene.size
+        return size * max(1.0, len(points) / max(1, self.num_points)) ** (1 / 3)
 
     def _ground(self) -> dict[str, Any]:
         """Triangles of the ground, those behind first: x, y of each corner, brightness of each triangle."""
@@ -95,9 +148,7 @@ class Packer:
             frames.append([numbers.setdefault(text, len(numbers)) for text in texts])
         return {"walls": [{"line": line, "strokes": behind} for line, behind in numbers], "standing": frames}
 
-    def _soil(self) -> dict[str, Any]:
-        soil = self.scene.soil
-        frames = [soil.frame(soil.nearest(time)) for time in self.scene.times[self.numbers]]
+    def _soil(self, frames: list[Frame]) -> dict[str, Any]:
         chosen = [self._chosen(frame) for frame in frames]
         fields, values = [], []
         for name in self.fields:

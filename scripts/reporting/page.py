@@ -13,11 +13,12 @@ from plotting.verdict import Statement, headline, verdict
 from reporting.answers import answers
 from reporting.curves import charts, compared, residuals
 from reporting.frames import scene_frames
+from reporting.library import library
 from reporting.maps import map_section
 from reporting.settings import mesh_files, overview, settings_files
 
 HERE = Path(__file__).resolve().parent
-PROGRAMS = ("chart.js", "residuals.js", "scene.js", "start.js")
+PROGRAMS = ("chart.js", "residuals.js", "scene.js", "boulders.js", "orbit.js", "space.js", "start.js")
 
 
 def page(results: Results, other: Results | None = None) -> str:
@@ -50,6 +51,7 @@ def page(results: Results, other: Results | None = None) -> str:
         "OVERVIEW": _table(overview(files)), "SETTINGS": _settings(files),
         "VERSIONS": _table(_versions(run)), "REPEAT": _repeat(run, files),
         "DATA": "\n".join(_block(key, value) for key, value in data.items() if value),
+        "LIBRARY": (library() or "") if data["scene"] and "space" in data["scene"] else "",
         "PROGRAMS": "\n".join((HERE / program).read_text(encoding="utf-8") for program in PROGRAMS),
     }
     text = (HERE / "page.html").read_text(encoding="utf-8")

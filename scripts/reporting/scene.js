@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scene on a canvas: soil points coloured by a field, structures as they deform, rigid walls.
+// The scene on a flat canvas: soil points coloured by a field, structures as they deform, rigid walls, boulders; it
+// holds the controls of the view that turns too.
 function bytes(text) {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
 }
@@ -13,6 +14,8 @@ const PALETTE = Array.from({length: 256}, (_, k) => {
   return `rgb(${mix.join(",")})`;
 });
 
+const FLOOR = [0.80, 0.77, 0.72];  // colour of walls in scripts/plotting/ground.py
+
 class Scene {
   constructor(section, data) {
     this.data = data;
@@ -20,7 +23,7 @@ class Scene {
     this.field = 0;
     this.timer = null;
     section.hidden = false;
-    this.canvas = section.querySelector("canvas");
+    this.canvas = section.querySelector("canvas.flat");
     const extent = data.high.map((high, k) => high - data.low[k]);
     this.scale = Math.min(1120 / extent[0], 640 / extent[1]);
     this.canvas.width = 1200;
@@ -28,13 +31,16 @@ class Scene {
     this.soil = data.soil.map((frame) => ({points: new Uint16Array(bytes(frame.points)),
       values: frame.values.map((values) => new Uint8Array(bytes(values)))}));
     this.structures = data.structures.map((each) => ({corners: each.corners, faces: new Uint32Array(bytes(each.faces)),
+      front: each.front && new Uint32Array(bytes(each.front)),
       frames: each.frames.map((frame) => new Uint16Array(bytes(frame)))}));
+    this.boulders = data.boulders.map((boulder) => new Boulder(boulder, !data.space));
     this.walls = data.walls.map((wall) => [new Float32Array(bytes(wall.line)), new Float32Array(bytes(wall.strokes))]);
     this.addControls(section.querySelector(".controls"));
     if (data.shown < data.points) {
       html("p", {className: "hint"}, section, `${data.shown} of ${data.points} points are drawn, larger than they are.`);
     }
     this.ground = data.ground ? this.paintGround(data.ground) : null;
+    this.space = data.space ? openSpace(this, section) : null;
     document.addEventListener("time", (event) => this.show(nearest(data.times, event.detail), false));
     this.show(data.times.length - 1, false);
   }
@@ -77,32 +83,42 @@ class Scene {
     return [40 + across * this.scale, this.data.inverted ? 10 + y : this.canvas.height - 80 - y];
   }
 
+  // Pixel of place k of points in the box of the data, which have as many coordinates as it has.
   place(points, k) {
-    const [low, high] = [this.data.low, this.data.high];
-    return this.pixel(points[2 * k] / 65535 * (high[0] - low[0]), points[2 * k + 1] / 65535 * (high[1] - low[1]));
+    const {box: [low, high], low: corner} = this.data;
+    const at = (axis) => low[axis] + points[low.length * k + axis] / 65535 * (high[axis] - low[axis]);
+    return this.pixel(at(this.data.across) - corner[0], at(this.data.up) - corner[1]);
   }
 
   draw() {
+    if (this.space && this.space.shown) {
+      this.space.draw();
+      return;
+    }
     const pen = this.canvas.getContext("2d");
     pen.clearRect(0, 0, this.canvas.width, this.canvas.height);
     if (this.ground) pen.drawImage(this.ground, 0, 0);
     this.drawSoil(pen);
     for (const structure of this.structures) this.drawStructure(pen, structure);
     for (const number of this.data.standing[this.frame]) this.drawWall(pen, ...this.walls[number]);
+    this.drawBoulders(pen);
     this.drawScales(pen);
     this.canvas.dataset.drawn = this.frame;
   }
 
-  // The ground does not move: it is painted once. "bright" of the colour of walls in scripts/plotting/ground.py.
+  // The ground does not move: it is painted once.
   paintGround(ground) {
     const canvas = document.createElement("canvas");
     [canvas.width, canvas.height] = [this.canvas.width, this.canvas.height];
     const pen = canvas.getContext("2d");
     const corners = new Int32Array(bytes(ground.corners));
+    const span = this.data.high.map((high, k) => (high - this.data.low[k]) / 65535);
     new Uint8Array(bytes(ground.bright)).forEach((bright, k) => {
-      pen.fillStyle = pen.strokeStyle = `rgb(${[0.80, 0.77, 0.72].map((c) => Math.round(c * bright)).join(",")})`;
+      pen.fillStyle = pen.strokeStyle = colourText(FLOOR, bright / 255);
       pen.beginPath();
-      for (let c = 0; c < 3; ++c) pen.lineTo(...this.place(corners, 3 * k + c));
+      for (let c = 0; c < 3; ++c) {
+        pen.lineTo(...this.pixel(corners[6 * k + 2 * c] * span[0], corners[6 * k + 2 * c + 1] * span[1]));
+      }
       pen.closePath();
       pen.fill();
       pen.stroke();
@@ -120,7 +136,7 @@ class Scene {
     if (!frame) return;
     const size = Math.max(1.5, 1.05 * this.data.size * this.scale);
     const values = frame.values[this.field];
-    for (let k = 0; 2 * k < frame.points.length; ++k) {
+    for (let k = 0; this.data.box[0].length * k < frame.points.length; ++k) {
       const [x, y] = this.place(frame.points, k);
       pen.fillStyle = PALETTE[values ? values[k] : 128];
       pen.fillRect(x - size / 2, y - size / 2, size, size);
@@ -132,9 +148,25 @@ class Scene {
     pen.fillStyle = "#bdbdbd";
     pen.strokeStyle = "#4d4d4d";
     pen.lineWidth = 0.5;
-    for (let f = 0; f < structure.faces.length; f += structure.corners) {
+    const count = structure.front ? structure.front.length : structure.faces.length / structure.corners;
+    for (let k = 0; k < count; ++k) {
+      const f = structure.corners * (structure.front ? structure.front[k] : k);
       pen.beginPath();
       for (let c = 0; c < structure.corners; ++c) pen.lineTo(...this.place(points, structure.faces[f + c]));
+      pen.closePath();
+      pen.fill();
+      pen.stroke();
+    }
+  }
+
+  drawBoulders(pen) {
+    const [left, low] = this.data.low;
+    pen.lineWidth = 0.5;
+    for (const face of facesOf(this.boulders, this.frame, [this.data.across, this.data.up], this.data.inverted)) {
+      pen.fillStyle = colourText(BOULDER, face.bright);
+      pen.strokeStyle = face.edge || pen.fillStyle;
+      pen.beginPath();
+      for (const [across, up] of face.corners) pen.lineTo(...this.pixel(across - left, up - low));
       pen.closePath();
       pen.fill();
       pen.stroke();
@@ -174,14 +206,19 @@ class Scene {
       pen.fillText(digits(x), pixel - 8, floor + 22);
     }
     pen.fillText(this.data.labels[0], 1140, floor + 22);
+    this.drawColours(pen, 40, floor + 40);
+  }
+
+  // The bar of colours with its field, from a pixel to the right.
+  drawColours(pen, x, y) {
     const field = this.data.fields[this.field];
     if (!field) return;
     PALETTE.forEach((colour, k) => {
       pen.fillStyle = colour;
-      pen.fillRect(40 + k, floor + 40, 1, 12);
+      pen.fillRect(x + k, y, Math.min(2, PALETTE.length - k), 12);  // no seams where it is drawn smaller
     });
-    pen.fillStyle = ink;
-    pen.fillText(`${digits(field.low)} to ${digits(field.high)}: ${field.label}`, 310, floor + 52);
+    pen.fillStyle = getComputedStyle(document.body).color;
+    pen.fillText(`${digits(field.low)} to ${digits(field.high)}: ${field.label}`, x + 270, y + 12);
   }
 }
 Scene.charts = [];

@@ -172,6 +172,46 @@ def write_rigid_walls(folder: Path) -> Path:
     return folder
 
 
+def boulder_frames(dim: int) -> list[tuple]:
+    """A square or cube of edge 0.02 m that flies 0.2 m/s along x and turns by 2 rad/s: about z; in space about x, y
+    and z alike."""
+    if dim == 2:
+        corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * 0.01
+        cells, axis = np.array([[2, 3], [0, 1], [1, 2], [3, 0]]), np.array([0, 0, 1])
+    else:
+        corners = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]) * 0.01
+        cells = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]])
+        axis = np.ones(3) / np.sqrt(3)
+    frames = []
+    for time in np.linspace(0, END, 6):
+        angle, k = 2 * time, np.cross(np.eye(3), axis).T  # Rodrigues
+        turn = np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
+        place = np.array([0.05 + 0.2 * time, 0.02, 0.13 if dim == 3 else 0])
+        frames.append((time, corners @ turn.T + place, cells, {"pressure": np.zeros(len(cells))}))
+    return frames
+
+
+def write_boulder(folder: Path, dim: int) -> Path:
+    """Add a boulder "block" to results, in space a rigid wall "bed" too, a square of 2 m at z = 0.
+
+    In 2D soil and structure are written anew with z = 0, as the programs do.
+    """
+    write_series(folder / "mpm", "contact_block", boulder_frames(dim))
+    if dim == 2:
+        for place, frames in (("mpm/soil", soil_frames()), ("fem/structure", structure_frames())):
+            flat = [(time, np.pad(points, ((0, 0), (0, 1))), *rest) for time, points, *rest in frames]
+            write_series((folder / place).parent, place.split("/")[1], flat)
+    settings = {"dimension": dim, "gravity": [0, -9.81, 0][:2] if dim == 2 else [0, 0, -9.81],
+                "boulders": [{"name": "block"}]}
+    if dim == 3:
+        corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], dtype=float)
+        write_series(folder / "mpm", "contact_bed",
+                     [(0.0, corners, np.array([[0, 1, 2, 3]]), {"pressure": np.zeros(1)})])
+        settings["rigid_walls"] = [{"name": "bed", "surface": {"mesh": {"file": "bed.msh"}, "groups": ["top"]}}]
+    (folder / "mpm" / "resolved_config.json").write_text(json.dumps({"mpm.json": settings}))
+    return folder
+
+
 KINDS = ("finished", "cut", "failed", "stopped", "unfinished", "killed")
 REASON = 'step 501 at 0.5 s: dt would become 5e-07 s; participant "soil": <no> solution & no "end"'
 

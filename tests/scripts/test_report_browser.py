@@ -6,14 +6,17 @@ controls.
 Exit code 77, not run, where there is no chromium (scripts/setup: tests_of_optional).
 """
 
+import html
 import json
 import re
 import shutil
 import subprocess
 import sys
 import unittest
+from unittest import mock
 
-from made_up_results import KINDS, write_kind, write_rigid_walls, write_space_results
+import numpy as np
+from made_up_results import KINDS, write_boulder, write_kind, write_rigid_walls, write_series, write_space_results
 from script_case import ScriptCase
 
 CHROMIUM = shutil.which("chromium")
@@ -53,7 +56,66 @@ if (button) {
   svg.dispatchEvent(new Event("dblclick"));
   found.back = labels() === whole;
 }
-const canvas = document.querySelector("#scene canvas");
+const canvas = document.querySelector("#scene canvas.flat");
+const turning = document.getElementById("space");
+found.lacking = (document.getElementById("space-lacking") || {textContent: ""}).textContent;
+found.wide = document.documentElement.scrollWidth - window.innerWidth;
+if (turning) {
+  const shot = () => {  // as soon as it is drawn: later the browser may have cleared it
+    document.querySelector("#scene input").dispatchEvent(new Event("input"));
+    const copy = Object.assign(document.createElement("canvas"), {width: turning.width, height: turning.height});
+    const pen = copy.getContext("2d");
+    pen.drawImage(turning, 0, 0);
+    return pen.getImageData(0, 0, copy.width, copy.height).data;
+  };
+  const differ = (one, other) => one.some((value, k) => value !== other[k]);
+  const drag = (from, to, more) => {
+    const event = (name, [clientX, clientY]) => turning.dispatchEvent(
+      new PointerEvent(name, {clientX, clientY, pointerId: 1, buttons: 1, ...more}));
+    event("pointerdown", from);
+    event("pointermove", to);
+    event("pointerup", to);
+  };
+  const first = shot();
+  let count = 0;
+  const colours = new Set();
+  for (let k = 0; k < first.length; k += 4) {
+    if (first[k + 3]) {
+      ++count;
+      colours.add(65536 * first[k] + 256 * first[k + 1] + first[k + 2]);
+    }
+  }
+  const space = found.space = {painted: count / (first.length / 4), colours: colours.size, size: turning.clientWidth};
+  const changes = (act) => {
+    act();
+    const changed = differ(shot(), first);
+    document.getElementById("space-reset").click();
+    return changed && !differ(shot(), first);
+  };
+  const key = (name, shiftKey) => turning.dispatchEvent(new KeyboardEvent("keydown", {key: name, shiftKey}));
+  space.turned = changes(() => drag([10, 10], [60, 30]));
+  space.panned = changes(() => drag([10, 10], [60, 30], {shiftKey: true}));
+  space.zoomed = changes(() => turning.dispatchEvent(new WheelEvent("wheel", {deltaY: -200, cancelable: true})));
+  space.keys = ["ArrowLeft", "ArrowUp", "+", "-"].every((name) => changes(() => key(name)))
+    && changes(() => key("ArrowLeft", true));
+  space.pinched = changes(() => {
+    const touch = (name, pointerId, clientX) => turning.dispatchEvent(
+      new PointerEvent(name, {pointerId, clientX, clientY: 50, pointerType: "touch"}));
+    touch("pointerdown", 1, 50);
+    touch("pointerdown", 2, 100);
+    touch("pointermove", 2, 180);
+    for (const id of [1, 2]) touch("pointerup", id, 50);
+  });
+  const time = document.querySelector("#scene input");
+  time.value = 0;
+  time.dispatchEvent(new Event("input"));
+  space.moved = differ(shot(), first);
+  space.frame = turning.dataset.drawn;
+  time.value = time.max;
+  time.dispatchEvent(new Event("input"));
+  document.getElementById("space-toggle").click();
+  space.hidden = turning.clientWidth === 0 && canvas.clientWidth > 0;
+}
 if (!document.getElementById("scene").hidden) {
   const {width, height} = canvas;
   const second = Object.assign(document.createElement("canvas"), {width, height});
@@ -66,6 +128,8 @@ if (!document.getElementById("scene").hidden) {
   const painted = (data) => { let n = 0; for (let k = 3; k < data.length; k += 4) n += data[k] > 0; return n; };
   const last = pixels();
   found.painted = painted(last) / (width * height);
+  const brown = (r, g, b) => r > 80 && r <= 141 && r > g && g > b && r - b <= 30;
+  found.boulder = last.reduce((n, r, k) => n + (k % 4 === 0 && brown(r, last[k + 1], last[k + 2])), 0);
   const time = document.querySelector("#scene input");
   time.value = 0;
   time.dispatchEvent(new Event("input"));
@@ -78,26 +142,31 @@ document.body.dataset.found = JSON.stringify(found);
 
 
 class Browser(ScriptCase):
-    def look(self, text: str) -> tuple[str, list[str]]:
-        """The document after its programs have run, and the lines of the console."""
+    def look(self, text: str, *options: str) -> tuple[str, list[str]]:
+        """The document after its programs have run, and the lines of the console but those on the speed of WebGL."""
         file = self.write("page.html", text)
         done = subprocess.run(
-            [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--v=0",
-             "--virtual-time-budget=5000", f"--user-data-dir={self.folder / 'browser'}", "--dump-dom",
+            [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader",
+             "--enable-logging=stderr", "--v=0", "--virtual-time-budget=5000", *options,
+             f"--user-data-dir={self.folder / 'browser'}", "--dump-dom",
              f"file://{file}"],
             capture_output=True, text=True, timeout=600, check=False)
         self.assertEqual(done.returncode, 0, done.stderr[-2000:])
-        return done.stdout, [line for line in done.stderr.splitlines() if ":CONSOLE" in line]
+        return done.stdout, [line for line in done.stderr.splitlines()
+                             if ":CONSOLE" in line and "GL Driver Message (OpenGL, Performance" not in line]
 
-    def read(self, folder) -> tuple[str, dict]:
+    def read(self, folder, *options: str) -> tuple[str, dict]:
         done = self.python_script("report", folder, "--out", self.folder / "report.html")
         self.assertEqual(done.returncode, 0, done.stderr)
         text = (self.folder / "report.html").read_text(encoding="utf-8")
-        dom, console = self.look(text.replace("</body>", READER))
+        dom, console = self.look(text.replace("</body>", READER), *options)
         self.assertEqual(console, [])
         self.assertIn('data-ready="yes"', dom)
-        found = re.search(r'data-found="([^"]*)"', dom)[1]
-        return dom, json.loads(found.replace("&quot;", '"').replace("&amp;", "&"))
+        return dom, self.found_in(dom)
+
+    @staticmethod
+    def found_in(dom: str) -> dict:
+        return json.loads(html.unescape(re.search(r'data-found="([^"]*)"', dom)[1]))
 
     def test_an_error_would_be_seen(self) -> None:
         _, console = self.look("<!DOCTYPE html><html><body><script>nothing.here();</script></body></html>")
@@ -125,13 +194,65 @@ class Browser(ScriptCase):
 
     def test_with_rigid_walls(self) -> None:
         _, found = self.read(write_rigid_walls(write_kind(self.folder / "walls", "finished")))
+        self.assertLess(found["boulder"], 100)
         self.assertGreater(found["painted"], 0.1)
         self.assertIs(found["moved"], True)
 
     def test_in_space(self) -> None:
-        _, found = self.read(write_space_results(self.folder / "space"))
+        folder = write_boulder(write_space_results(self.folder / "space"), 3)
+        for options in ((), ("--window-size=400,800", "--force-device-scale-factor=2")):
+            with self.subTest(options):
+                _, found = self.read(folder, *options)
+                self.expect_flat_view(found)
+                self.assertGreater(found["boulder"], 1000)
+                self.assertEqual((found["lacking"], found["fetched"]), ("", 0))
+                self.assertLessEqual(found["wide"], 0)
+                space = found["space"]
+                self.assertGreater(space["painted"], 0.1)
+                self.assertGreater(space["colours"], 100)
+                for what in ("turned", "panned", "zoomed", "keys", "pinched", "moved", "hidden"):
+                    self.assertIs(space[what], True, what)
+                self.assertEqual(space["frame"], "0")
+
+    def test_in_space_without_webgl(self) -> None:
+        _, found = self.read(write_boulder(write_space_results(self.folder / "space"), 3), "--disable-3d-apis")
+        self.expect_flat_view(found)
+        self.assertIn("needs WebGL, which this browser does not have; the flat view is shown.", found["lacking"])
+        self.assertNotIn("space", found)
+
+    def test_in_space_without_the_library(self) -> None:
+        from plotting.results import Results  # noqa: PLC0415
+        from reporting import library, page  # noqa: PLC0415
+        folder = write_boulder(write_space_results(self.folder / "space"), 3)
+        with mock.patch.object(library, "PLACES", ()):
+            dom, console = self.look(page.page(Results(folder)).replace("</body>", READER))
+        self.assertEqual(console, [])
+        self.assertIn("libjs-three: install it and write this page once more.", self.found_in(dom)["lacking"])
+
+    def test_ropes_in_space_without_soil(self) -> None:
+        folder = write_space_results(self.folder / "ropes")
+        for path in (folder / "mpm").glob("soil*"):
+            path.unlink()
+        ends = np.array([[0.0, 0, 0], [1, 0, 0.3], [1, 1, 0], [0, 1, 0.3]])
+        cells = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
+        write_series(folder / "fem", "structure", [(t, ends * (1 + t), cells, {"displacement": ends * t})
+                                                   for t in (0.0, 0.5)])
+        _, found = self.read(folder)
+        self.assertEqual(found["frame"], "0")
+        for what in ("turned", "panned", "zoomed", "keys", "pinched", "moved", "hidden"):
+            self.assertIs(found["space"][what], True, what)
+
+    def test_boulders_in_2d(self) -> None:
+        folder = write_boulder(write_kind(self.folder / "flat", "finished"), 2)
+        _, found = self.read(folder)
+        self.expect_flat_view(found)
+        self.assertGreater(found["boulder"], 1000)
+        self.assertEqual(found["lacking"], "")
+
+    def expect_flat_view(self, found: dict) -> None:
         self.assertGreater(found["painted"], 0.1)
         self.assertIs(found["moved"], True)
+        self.assertEqual(found["frame"], "0")
 
     def test_a_run_that_has_just_begun(self) -> None:
         self.write("begun/resolved_config.json", json.dumps({"coupler.json": {"time": {"end": 1}}}))
