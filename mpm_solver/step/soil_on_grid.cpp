@@ -13,6 +13,7 @@
 #include "common/mechanics/ranks/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "mpm_solver/grid/group_fields.hpp"
 #include "mpm_solver/grid/soil_border.hpp"
 #include "mpm_solver/grid/transfer.hpp"
 #include "mpm_solver/points/flat.hpp"
@@ -41,10 +42,11 @@ std::string side_text(const Phase& phase, const std::vector<std::string>& sides)
                                    "have to round it off");
 }
 
-// Ranks do not tell each other of sides.
+// Ranks do not tell each other of sides, and groups of bodies have the numbers of doubled nodes.
 template <int dim>
 bool may_double_nodes(const SoilModel<dim>& model) {
-  return can_double_nodes(model.grid) && num_ranks(model.comm) == 1;
+  return can_double_nodes(model.grid) && num_ranks(model.comm) == 1 &&
+         !model.settings.body_groups.any();
 }
 
 std::vector<std::int32_t> take_cells(Packet& packet) {
@@ -96,6 +98,8 @@ void SoilOnGrid<dim>::weigh() {
     border.emplace(ranks_.owners(), cells_with_points(model_.grid, points_));
   }
   evaluate_basis(model_.grid, points_, weights_, border ? &*border : nullptr);
+  const BodyGroups& groups = model_.settings.body_groups;
+  if (groups.any()) split_groups(groups.of_body, model_.grid.num_nodes_total(), weights_);
 }
 
 // Part those that can have fields by side from the others.

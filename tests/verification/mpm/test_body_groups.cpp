@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/verification_row.hpp"
+#include "tests/unit/mpm/mpm_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+constexpr double h = 0.1;
+
+Json groups_of(const std::string& first, const std::string& second, const Json& contact) {
+  Json pair = contact;
+  pair["groups"] = {"first", "second"};
+  return {{"groups",
+           {{{"name", "first"}, {"bodies", {first}}}, {{"name", "second"}, {"bodies", {second}}}}},
+          {"pairs", {pair}}};
+}
+
+/// Mass-weighted mean of the velocity of a body.
+Vector<2> velocity_of(const mpm::MaterialPoints<2>& points, int body) {
+  Vector<2> momentum = Vector<2>::Zero();
+  double mass = 0;
+  for (std::int32_t p = points.body_starts[body]; p < points.body_starts[body + 1]; ++p) {
+    momentum += points.m[p] * points.v[p];
+    mass += points.m[p];
+  }
+  return momentum / mass;
+}
+
+/// VB1: a block of soil on a bed of soil at 30 degrees; gravity is turned instead. The top of the
+/// bed is at `height` cells.
+struct Slide {
+  double speed = 0, way = 0;  // of the block, along the bed
+  double pull = 0, push = 0;  // impulses on the block, up the bed and out of it
+};
+Slide slide(const std::string& basis, const std::string& scheme, double mu, double height) {
+  const double angle = M_PI / 6, g = 9.81, top = height * h;
+  const double dt = scheme == "explicit" ? 5e-4 : 1e-3;
+  Json scene = {{"dimension", 2},
+                {"grid", box({0, -0.3}, {2, 0.8}, {20, 11}, "quad4")},
+                {"basis", basis},
+                {"gravity", {g * std::sin(angle), -g * std::cos(angle)}},
+                {"walls", {wall("bottom", "fixed")}},
+                {"bodies",
+                 {body("bed", box({0.1, -0.3}, {1.9, top}, {18, 4}, "quad4"), 4,
+                       elastic_soil("neo_hookean", 1e8, 0.2, 2000)),
+                  body("block", box({0.43, top}, {0.93, top + 0.3}, {5, 3}, "quad4"), 4,
+                       elastic_soil("neo_hookean", 1e7, 0.2, 1000))}},
+                {"contact_groups", groups_of("bed", "block", {{"friction", mu}})}};
+  scene["time_integration"] = scheme == "explicit" ? Json{{"scheme", "explicit"}}
+                                                   : Json{{"scheme", "bossak"}, {"alpha", -0.3}};
+  const auto solver = mpm_solver<2>(scene);
+  const std::int32_t first = solver->points().body_starts[1];
+  const Vector<2> start = solver->points().x[first];
+  Slide found;
+  const int steps = static_cast<int>(std::lround(0.3 / dt));
+  for (int n = 1; n <= steps; ++n) {
+    run_steps(*solver, dt, 1, n);
+    found.pull -= dt * probe(*solver, "contact.first.second.fx");
+    found.push += dt * probe(*solver, "contact.first.second.fy");
+  }
+  found.speed = velocity_of(solver->points(), 1)[0];
+  found.way = solver->points().x[first][0] - start[0];
+  return found;
+}
+
+TEST(BodyGroups, block_of_soil_on_a_bed_of_soil) {
+  const double g = 9.81, angle = M_PI / 6;
+  for (const char* scheme : {"implicit", "explicit"}) {
+    for (const double height : {1.0, 1.25, 1.5}) {
+      for (const char* basis : {"gimp", "linear"}) {
+        const Slide found = slide(basis, scheme, 0.3, height);
+        const std::string what = fmt::format(
+            "block on a bed, both soil, friction 0.3, {}, {}, bed "
+            "of {} cells",
+            scheme, basis, height + 3);
+        verify({.id = "VB1",
+                .what = what + ": speed after 0.3 s",
+                .exact = g * (std::sin(angle) - 0.3 * std::cos(angle)) * 0.3,
+                .computed = found.speed,
+                .bound = 0.005,
+                .unit = "m/s"});
+        verify({.id = "VB1",
+                .what = what + ": friction over normal impulse",
+                .exact = 0.3,
+                .computed = found.pull / found.push,
+                .measure = Measure::absolute_error,
+                .bound = 1e-3});
+      }
+    }
+  }
+}
+
+TEST(BodyGroups, block_that_friction_holds) {
+  const Slide found = slide("gimp", "implicit", 0.7, 1.25);
+  verify({.id = "VB1",
+          .what = "block on a bed, both soil, friction 0.7: speed after 0.3 s",
+          .exact = 0,
+          .computed = found.speed,
+          .measure = Measure::absolute_error,
+          .bound = 1e-3,
+          .unit = "m/s"});
+  EXPECT_LT(std::abs(found.way), 1e-3 * h);
+}
+
+/// VB2: two bodies, one upon the other in a slot, whose top wall goes down; stress E u / L.
+struct Press {
+  double force = 0, opposite = 0;  // between the bodies, and on the bottom wall [N/m]
+  double lowest = 0, highest = 0;  // vertical stress of the points [Pa]
+  double opened = 0;               // force between the bodies after the top went up [N/m]
+};
+Press press(const std::string& basis, double offset) {
+  const double E = 1e6, top = 0.6, middle = 0.3 + offset * h;
+  const auto cells = [](double size) { return static_cast<int>(std::lround(size / h)); };
+  const Json soil = elastic_soil("linear_elastic", E, 0, 1000);
+  const Json scene = {
+      {"dimension", 2},
+      {"grid", box({0, 0}, {0.4, 0.8}, {4, 8}, "quad4")},
+      {"basis", basis},
+      {"analysis", "quasi_static"},
+      {"small_cuts", {{"method", "none"}}},
+      {"walls", {wall("bottom", "slip"), wall("left", "slip"), wall("right", "slip")}},
+      {"rigid_walls",
+       {{{"name", "lid"},
+         {"method", "facets"},
+         {"mode", "slip"},
+         {"penalty_factor", 1e4},
+         {"surface", {{"polyline", {{-0.1, top}, {0.5, top}}}, {"spacing", h}}},
+         {"motion", {{"table", {{0, 0, 0}, {0.1, 0, -1e-3}, {0.2, 0, -2e-3}, {0.3, 0, 2e-3}}}}}}}},
+      {"bodies",
+       {body("lower", box({0, 0}, {0.4, middle}, {4, cells(middle)}, "quad4"), 4, soil),
+        body("upper", box({0, middle}, {0.4, top}, {4, cells(top - middle)}, "quad4"), 4, soil)}},
+      {"newton", exact_newton},
+      {"contact_groups", groups_of("lower", "upper", {{"friction", 0.3}})}};
+  const auto solver = mpm_solver<2>(scene);
+  run_steps(*solver, 0.02, 10, 1);
+  Press found;
+  found.force = probe(*solver, "contact.first.second.fy");
+  found.opposite = -probe(*solver, "wall.bottom.fy");
+  const auto& points = solver->points();
+  found.lowest = found.highest = -points.tau[0](1, 1);
+  for (const auto& tau : points.tau) {
+    found.lowest = std::min(found.lowest, -tau(1, 1));
+    found.highest = std::max(found.highest, -tau(1, 1));
+  }
+  run_steps(*solver, 0.02, 5, 11);
+  found.opened = probe(*solver, "contact.first.second.fy");
+  return found;
+}
+
+TEST(BodyGroups, a_press_of_two_bodies) {
+  for (const char* basis : {"linear", "gimp", "bspline"}) {
+    for (const double offset : {0.0, 0.1, 0.25, 0.4, 0.5, 0.75, 0.9}) {
+      const Press found = press(basis, offset);
+      const std::string what =
+          fmt::format("two bodies in a press, {}, offset {} of a cell", basis, offset);
+      verify({.id = "VB2",
+              .what = what + ": force between them by that on the ground",
+              .exact = found.opposite,
+              .computed = found.force,
+              .bound = 1e-6,
+              .unit = "N/m"});
+      verify({.id = "VB2",
+              .what = what + ": largest over smallest stress",
+              .exact = 1,
+              .computed = found.highest / found.lowest,
+              .bound = 0.01});
+      EXPECT_EQ(found.opened, 0) << what;
+    }
+  }
+}
+
+/// VB3: two bars (E, density, nu = 0; smooth walls on their sides) that meet.
+constexpr double E = 1e7, density = 1800, v0 = 0.1;
+
+struct Bars {
+  double stress = 0;                          // plateau [Pa]
+  double first = 0, second = 0;               // velocities after they have parted [m/s]
+  double loss = 0, gained = 0, momentum = 0;  // by the kinetic energy and the momentum at the start
+  double time = 0;                            // impulse by the exact stress [s]
+};
+Bars collide(const std::string& scheme, double length, double other, double offset) {
+  const double c = std::sqrt(E / density), step = 2 / c / 400, size = 0.05;
+  const double left = 0.3, meet = left + length + offset * size, clear = 0.1 * size;
+  const auto cells = [&](double x) { return static_cast<int>(std::lround(x / size)); };
+  const bool rests = other > length;
+  const Json soil = elastic_soil("linear_elastic", E, 0, density);
+  Json scene = {
+      {"dimension", 2},
+      {"grid", box({0, 0}, {left + length + other + 0.3, size},
+                   {cells(left + length + other + 0.3), 1}, "quad4")},
+      {"basis", "linear"},
+      {"walls", {wall("bottom", "slip"), wall("top", "slip")}},
+      {"bodies",
+       {body("first", box({meet - length, 0}, {meet, size}, {cells(length), 1}, "quad4"), 4, soil,
+             {v0, 0}),
+        body("second",
+             box({meet + clear, 0}, {meet + clear + other, size}, {cells(other), 1}, "quad4"), 4,
+             soil, {rests ? 0 : -v0, 0})}},
+      {"contact_groups", groups_of("first", "second", {{"mode", "slip"}, {"penalty_factor", 20}})}};
+  if (scheme == "explicit") {
+    scene["time_integration"] = {{"scheme", "explicit"}};
+  } else {
+    scene["time_integration"] = trapezoid;
+    scene["newton"] = exact_newton;
+  }
+  const auto solver = mpm_solver<2>(scene);
+  const auto energy = [&] {
+    return probe(*solver, "kinetic_energy") + probe(*solver, "elastic_energy") +
+           probe(*solver, "contact_energy");
+  };
+  const double start = energy(), momentum = probe(*solver, "momentum_x");
+  const double closing = rests ? v0 : 2 * v0, contact = 2 * std::min(length, other) / c;
+  const double stress = 0.5 * density * c * closing, arrival = clear / closing;
+  Bars found;
+  double highest = start, impulse = 0, plateau = 0, on_plateau = 0;
+  for (int n = 1; n * step < arrival + 1.6 * contact; ++n) {
+    run_steps(*solver, step, 1, n);
+    highest = std::max(highest, energy());
+    const double force = probe(*solver, "contact.first.second.fx") / size;
+    impulse += step * force;
+    const double t = (n * step - arrival) / contact;
+    if (t > 0.2 && t < 0.8) {
+      plateau += step * force;
+      on_plateau += step;
+    }
+  }
+  found.stress = plateau / on_plateau;
+  found.time = impulse / stress;
+  found.first = velocity_of(solver->points(), 0)[0];
+  found.second = velocity_of(solver->points(), 1)[0];
+  found.loss = probe(*solver, "contact_loss") / start;
+  found.gained = highest / start - 1;
+  found.momentum = std::abs(probe(*solver, "momentum_x") - momentum) / (density * size * v0);
+  return found;
+}
+
+TEST(BodyGroups, two_bars_exchange_their_velocities) {
+  const double c = std::sqrt(E / density);
+  for (const char* scheme : {"implicit", "explicit"}) {
+    for (const double offset : {0.0, 0.3}) {
+      const Bars found = collide(scheme, 1, 1, offset);
+      const std::string what = fmt::format("two equal bars, {}, offset {}", scheme, offset);
+      const auto row = [&](const std::string& of, double exact, double computed, double bound,
+                           const std::string& unit) {
+        verify({.id = "VB3",
+                .what = what + ": " + of,
+                .exact = exact,
+                .computed = computed,
+                .bound = bound,
+                .unit = unit});
+      };
+      row("stress", density * c * v0, found.stress, 0.02, "Pa");
+      row("impulse by the stress", 2 / c, found.time, 0.03, "s");
+      row("velocity after it", v0, found.second, 0.03, "m/s");
+      EXPECT_LT(found.loss, 0.02) << what;
+      EXPECT_LT(found.gained, 1e-6) << what;
+      EXPECT_LT(found.momentum, 1e-9) << what;
+    }
+  }
+}
+
+TEST(BodyGroups, a_short_bar_stops_at_a_long_one) {
+  const Bars found = collide("implicit", 1, 2, 0.3);
+  verify({.id = "VB3",
+          .what = "bar of 1 m hits one of 2 m at rest: its velocity after it",
+          .exact = 0,
+          .computed = found.first / v0,
+          .measure = Measure::absolute_error,
+          .bound = 0.05});
+  verify({.id = "VB3",
+          .what = "bar of 1 m hits one of 2 m at rest: velocity of the other over that before",
+          .exact = 0.5,
+          .computed = found.second / v0,
+          .bound = 0.03});
+}
+
+}  // namespace
+}  // namespace gabion::test
