@@ -18,7 +18,7 @@ constexpr double regularisation = 1e-4;
 constexpr double first_steepness = 5;
 
 // Steepness of the soft margins, one after the other: the last one sees the nearest points alone.
-constexpr double steepness[] = {20, 60, 300};
+constexpr double steepness[] = {20, 100, 500, 3000};
 
 constexpr int most_steps = 30;
 constexpr double small_step = 1e-9;

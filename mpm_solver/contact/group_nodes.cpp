@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "mpm_solver/contact/contact_plane.hpp"
 #include "mpm_solver/grid/group_fields.hpp"
@@ -103,24 +104,51 @@ class PlaceSearch {
   SparseList<std::int32_t> number_;
 };
 
-// Places of the points of a cloud relative to the node, by the cell size.
+// Places of points relative to a node, by the cell size.
 template <int dim>
-std::vector<Vector<dim>> relative_places(const SoilSurface<dim>& soil, const Cloud<dim>& cloud,
+std::vector<Vector<dim>> relative_places(const SoilSurface<dim>& soil,
+                                         std::span<const std::int32_t> points,
                                          const Vector<dim>& x) {
   std::vector<Vector<dim>> places;
-  for (const std::int32_t p : cloud.points) {
-    places.push_back((soil.points.x[p] - x) / soil.cell_size);
-  }
+  for (const std::int32_t p : points) places.push_back((soil.points.x[p] - x) / soil.cell_size);
   return places;
 }
 
+// A cloud with fewer points says little of the surface between the bodies.
+template <int dim>
+constexpr std::size_t few_points = 3 << (dim - 1);
+
+// The points of a cloud; where they are few, those of the clouds of the group around it besides.
+template <int dim>
+std::vector<std::int32_t> points_about(const SoilSurface<dim>& soil, const PlaceSearch<dim>& search,
+                                       std::int32_t place, const Cloud<dim>& cloud) {
+  std::vector<std::int32_t> points = cloud.points;
+  if (points.size() < few_points<dim>) {
+    for (const std::int32_t other : places_around(soil.grid, place, 1)) {
+      const std::int32_t number = search.number(other);
+      if (number < 0) continue;
+      const auto& clouds = search.places[number].clouds;
+      const auto same = std::ranges::find(clouds, cloud.group, &Cloud<dim>::group);
+      if (same != clouds.end())
+        points.insert(points.end(), same->points.begin(), same->points.end());
+    }
+  }
+  std::ranges::sort(points);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+/// Points of both groups around a contact node.
+struct NearPoints {
+  std::vector<std::int32_t> first, second;
+};
+
 // Distance of the contact spheres of the nearest points, < 0: they overlap.
 template <int dim>
-double nearest_spheres(const MaterialPoints<dim>& points, const Cloud<dim>& a,
-                       const Cloud<dim>& b) {
+double nearest_spheres(const MaterialPoints<dim>& points, const NearPoints& near) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const std::int32_t p : a.points) {
-    for (const std::int32_t q : b.points) {
+  for (const std::int32_t p : near.first) {
+    for (const std::int32_t q : near.second) {
       nearest =
           std::min(nearest, (points.x[q] - points.x[p]).norm() - points.depth[p] - points.depth[q]);
     }
@@ -128,36 +156,39 @@ double nearest_spheres(const MaterialPoints<dim>& points, const Cloud<dim>& a,
   return nearest;
 }
 
-// Gap between the contact spheres of two clouds along n.
+// Gap between the contact spheres of both along n.
 template <int dim>
-double gap_along(const Vector<dim>& n, const MaterialPoints<dim>& points, const Cloud<dim>& a,
-                 const Cloud<dim>& b) {
+double gap_along(const Vector<dim>& n, const MaterialPoints<dim>& points, const NearPoints& near) {
   double highest = -std::numeric_limits<double>::infinity(), lowest = -highest;
-  for (const std::int32_t p : a.points) {
+  for (const std::int32_t p : near.first) {
     highest = std::max(highest, n.dot(points.x[p]) + points.depth[p]);
   }
-  for (const std::int32_t p : b.points) {
+  for (const std::int32_t p : near.second) {
     lowest = std::min(lowest, n.dot(points.x[p]) - points.depth[p]);
   }
   return lowest - highest;
 }
 
 template <int dim>
-GroupNode<dim> node_between(const SoilSurface<dim>& soil, const SharedPlace<dim>& shared,
-                            const Cloud<dim>& a, const Cloud<dim>& b) {
+GroupNode<dim> node_between(const SoilSurface<dim>& soil, const PlaceSearch<dim>& search,
+                            const SharedPlace<dim>& shared, const Cloud<dim>& a,
+                            const Cloud<dim>& b) {
   GroupNode<dim> node{.place = shared.place, .first = a.node, .second = b.node};
   node.modulus = std::min(a.modulus, b.modulus);
+  const NearPoints near{points_about(soil, search, shared.place, a),
+                        points_about(soil, search, shared.place, b)};
   const Vector<dim> x = soil.grid.node(shared.place);
-  const auto first = relative_places(soil, a, x), second = relative_places(soil, b, x);
+  const auto first = relative_places(soil, near.first, x);
+  const auto second = relative_places(soil, near.second, x);
   Vector<dim> guess = a.gradient - b.gradient;
   if (!(guess.norm() > 0)) guess = second.front() - first.front();
   if (!(guess.norm() > 0)) guess = Vector<dim>::UnitX();
   const auto plane = plane_between<dim>({first, second}, guess.normalized());
   node.n = plane.n;
   node.separates = plane.separates;
-  const double nearest = nearest_spheres(soil.points, a, b);
+  const double nearest = nearest_spheres(soil.points, near);
   node.overlap = std::max(0.0, -nearest);
-  node.gap = node.separates ? gap_along(node.n, soil.points, a, b) : std::max(0.0, nearest);
+  node.gap = node.separates ? gap_along(node.n, soil.points, near) : std::max(0.0, nearest);
   return node;
 }
 
@@ -224,7 +255,7 @@ std::vector<std::int32_t> places_around(const BackgroundGrid<dim>& grid, std::in
 
 template <int dim>
 std::vector<GroupNode<dim>> find_contact_nodes(const SoilSurface<dim>& soil,
-                                             const BodyGroups& groups) {
+                                               const BodyGroups& groups) {
   const PlaceSearch<dim> search(soil, groups);
   const double facet = std::pow(soil.cell_size, dim - 1);
   std::vector<GroupNode<dim>> nodes;
@@ -238,7 +269,7 @@ std::vector<GroupNode<dim>> find_contact_nodes(const SoilSurface<dim>& soil,
       };
       const Cloud<dim>*const first = cloud_of(pair.first), *const second = cloud_of(pair.second);
       if (first == nullptr || second == nullptr) continue;
-      GroupNode<dim> node = node_between(soil, shared, *first, *second);
+      GroupNode<dim> node = node_between(soil, search, shared, *first, *second);
       node.pair = static_cast<std::int32_t>(k);
       node.area = contact_area(soil, search, node, pair);
       if (node.area > least_area * facet) nodes.push_back(node);

@@ -23,6 +23,10 @@ namespace gabion::mpm {
 
 namespace {
 
+// Share of the mass of its points below which a node of one of several groups of bodies joins
+// another one of its group.
+constexpr double light_share = 0.01;
+
 bool leads_out(const Phase& phase, const std::vector<std::string>& sides) {
   return std::any_of(phase.outflows.begin(), phase.outflows.end(), [&](const auto& outflow) {
     return std::find(sides.begin(), sides.end(), outflow.group) != sides.end();
@@ -169,13 +173,16 @@ void SoilOnGrid<dim>::cure_small_cuts(const Mapping& mapping) {
       method_in(cuts, model_.grid.basis, model_.settings.phases[mapping.phase].dynamic);
   const bool joins_light = !mapping.with_inertia || method == SmallCutMethod::mass_cutoff;
   const bool joins_weak = sights_ && sights_->follow(surfaces_);
-  if (joins_light || joins_weak) {
+  const bool joins_doubled =
+      model_.settings.body_groups.any() && !model_.settings.phases[mapping.phase].is_explicit();
+  if (joins_light || joins_weak || joins_doubled) {
     const auto joined = join_light_nodes<dim>(model_.comm,
                                               {.grid = model_.grid,
                                                .points = points_,
                                                .weights = weights_,
                                                .walls = walls(mapping.phase),
                                                .share = joins_light ? cuts.mass_share : 0,
+                                               .doubled_share = joins_doubled ? light_share : 0,
                                                .sights = joins_weak ? &*sights_ : nullptr},
                                               nodes_);
     if (joined > 0) points_to_grid(points_, weights_, nodes_);

@@ -38,7 +38,8 @@ struct Slide {
   double speed = 0, way = 0;  // of the block, along the bed
   double pull = 0, push = 0;  // impulses on the block, up the bed and out of it
 };
-Slide slide(const std::string& basis, const std::string& scheme, double mu, double height) {
+Slide slide(const std::string& basis, const std::string& scheme, double mu, double height,
+            double ramp = 0) {
   const double angle = M_PI / 6, g = 9.81, top = height * h;
   const double dt = scheme == "explicit" ? 5e-4 : 1e-3;
   Json scene = {{"dimension", 2},
@@ -54,12 +55,15 @@ Slide slide(const std::string& basis, const std::string& scheme, double mu, doub
                 {"contact_groups", groups_of("bed", "block", {{"friction", mu}})}};
   scene["time_integration"] = scheme == "explicit" ? Json{{"scheme", "explicit"}}
                                                    : Json{{"scheme", "bossak"}, {"alpha", -0.3}};
+  if (ramp > 0) scene["gravity_ramp"] = {{"duration", ramp}, {"shape", "smooth"}};
   const auto solver = mpm_solver<2>(scene);
   const std::int32_t first = solver->points().body_starts[1];
-  const Vector<2> start = solver->points().x[first];
+  Vector<2> start = solver->points().x[first];
   Slide found;
-  const int steps = static_cast<int>(std::lround(0.3 / dt));
-  for (int n = 1; n <= steps; ++n) {
+  const int steps = static_cast<int>(std::lround(0.3 / dt)), taken = ramp > 0 ? steps : 0;
+  if (taken > 0) run_steps(*solver, dt, taken);
+  start = solver->points().x[first];
+  for (int n = taken + 1; n <= taken + steps; ++n) {
     run_steps(*solver, dt, 1, n);
     found.pull -= dt * probe(*solver, "contact.first.second.fx");
     found.push += dt * probe(*solver, "contact.first.second.fy");
@@ -97,9 +101,9 @@ TEST(BodyGroups, block_of_soil_on_a_bed_of_soil) {
 }
 
 TEST(BodyGroups, block_that_friction_holds) {
-  const Slide found = slide("gimp", "implicit", 0.7, 1.25);
+  const Slide found = slide("gimp", "implicit", 0.7, 1.25, 0.2);
   verify({.id = "VB1",
-          .what = "block on a bed, both soil, friction 0.7: speed after 0.3 s",
+          .what = "block on a bed, both soil, friction 0.7: speed at rest",
           .exact = 0,
           .computed = found.speed,
           .measure = Measure::absolute_error,
@@ -123,7 +127,6 @@ Press press(const std::string& basis, double offset) {
       {"grid", box({0, 0}, {0.4, 0.8}, {4, 8}, "quad4")},
       {"basis", basis},
       {"analysis", "quasi_static"},
-      {"small_cuts", {{"method", "none"}}},
       {"walls", {wall("bottom", "slip"), wall("left", "slip"), wall("right", "slip")}},
       {"rigid_walls",
        {{{"name", "lid"},
@@ -185,7 +188,7 @@ struct Bars {
   double time = 0;                            // impulse by the exact stress [s]
 };
 Bars collide(const std::string& scheme, double length, double other, double offset) {
-  const double c = std::sqrt(E / density), step = 2 / c / 400, size = 0.05;
+  const double c = std::sqrt(E / density), step = 2 / c / 400, size = 0.025;
   const double left = 0.3, meet = left + length + offset * size, clear = 0.1 * size;
   const auto cells = [&](double x) { return static_cast<int>(std::lround(x / size)); };
   const bool rests = other > length;
@@ -202,7 +205,8 @@ Bars collide(const std::string& scheme, double length, double other, double offs
         body("second",
              box({meet + clear, 0}, {meet + clear + other, size}, {cells(other), 1}, "quad4"), 4,
              soil, {rests ? 0 : -v0, 0})}},
-      {"contact_groups", groups_of("first", "second", {{"mode", "slip"}, {"penalty_factor", 20}})}};
+      {"contact_groups",
+       groups_of("first", "second", {{"mode", "slip"}, {"penalty_factor", 200}})}};
   if (scheme == "explicit") {
     scene["time_integration"] = {{"scheme", "explicit"}};
   } else {
