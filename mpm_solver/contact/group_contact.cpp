@@ -220,10 +220,8 @@ template <int dim>
 void GroupContact<dim>::add_forces(std::span<const double> du, std::span<double> r,
                                    BlockMatrix<dim>* K) {
   Matrix<dim> slope;
-  if (getenv("GDEBUG") && K) std::fprintf(stderr, "--- K\n");
   for (Touch& touch : touches_) {
     move(du, touch);
-    if (getenv("GDEBUG") && K) std::fprintf(stderr, "%d area %.3e gap0 %.3e gap %.3e way %.3e %.3e n %.4f %.4f\n", touch.node.place, touch.node.area, touch.node.gap, touch.gap, touch.way[0], touch.way[1], touch.node.n[0], touch.node.n[1]);
     if (touch.gap >= 0) continue;
     Vector<dim> gap = touch.frame.transpose() * touch.slip;
     gap[0] = touch.gap;

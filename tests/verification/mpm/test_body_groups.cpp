@@ -34,17 +34,16 @@ Vector<2> velocity_of(const mpm::MaterialPoints<2>& points, int body) {
 
 /// VB1: a block of soil on a bed of soil at 30 degrees; gravity is turned instead. The top of the
 /// bed is at `height` cells.
-struct Slide {
-  double speed = 0, way = 0;  // of the block, along the bed
-  double pull = 0, push = 0;  // impulses on the block, up the bed and out of it
+struct Slope {
+  std::string basis = "gimp", scheme = "implicit";
+  double friction = 0.3, height = 1;
 };
-Slide slide(const std::string& basis, const std::string& scheme, double mu, double height,
-            double ramp = 0) {
-  const double angle = M_PI / 6, g = 9.81, top = height * h;
-  const double dt = scheme == "explicit" ? 5e-4 : 1e-3;
+
+Json block_on_bed(const Slope& slope) {
+  const double angle = M_PI / 6, g = 9.81, top = slope.height * h;
   Json scene = {{"dimension", 2},
                 {"grid", box({0, -0.3}, {2, 0.8}, {20, 11}, "quad4")},
-                {"basis", basis},
+                {"basis", slope.basis},
                 {"gravity", {g * std::sin(angle), -g * std::cos(angle)}},
                 {"walls", {wall("bottom", "fixed")}},
                 {"bodies",
@@ -52,25 +51,34 @@ Slide slide(const std::string& basis, const std::string& scheme, double mu, doub
                        elastic_soil("neo_hookean", 1e8, 0.2, 2000)),
                   body("block", box({0.43, top}, {0.93, top + 0.3}, {5, 3}, "quad4"), 4,
                        elastic_soil("neo_hookean", 1e7, 0.2, 1000))}},
-                {"contact_groups", groups_of("bed", "block", {{"friction", mu}})}};
-  scene["time_integration"] = scheme == "explicit" ? Json{{"scheme", "explicit"}}
-                                                   : Json{{"scheme", "bossak"}, {"alpha", -0.3}};
-  if (ramp > 0) scene["gravity_ramp"] = {{"duration", ramp}, {"shape", "smooth"}};
+                {"contact_groups", groups_of("bed", "block", {{"friction", slope.friction}})}};
+  scene["time_integration"] = slope.scheme == "explicit"
+                                  ? Json{{"scheme", "explicit"}}
+                                  : Json{{"scheme", "bossak"}, {"alpha", -0.3}};
+  return scene;
+}
+
+struct Slide {
+  double acceleration = 0;  // of the block along the bed: slope of its speed over time [m/s^2]
+  double friction = 0;      // over normal impulse
+};
+Slide slide(const Slope& slope) {
+  Json scene = block_on_bed(slope);
+  scene["gravity_ramp"] = {{"duration", 0.15}, {"shape", "smooth"}};
+  const double dt = slope.scheme == "explicit" ? 5e-4 : 1e-3;
+  const int ramp = static_cast<int>(std::lround(0.15 / dt)), steps = 2 * ramp;
   const auto solver = mpm_solver<2>(scene);
-  const std::int32_t first = solver->points().body_starts[1];
-  Vector<2> start = solver->points().x[first];
-  Slide found;
-  const int steps = static_cast<int>(std::lround(0.3 / dt)), taken = ramp > 0 ? steps : 0;
-  if (taken > 0) run_steps(*solver, dt, taken);
-  start = solver->points().x[first];
-  for (int n = taken + 1; n <= taken + steps; ++n) {
-    run_steps(*solver, dt, 1, n);
-    found.pull -= dt * probe(*solver, "contact.first.second.fx");
-    found.push += dt * probe(*solver, "contact.first.second.fy");
+  run_steps(*solver, dt, ramp);
+  double pull = 0, push = 0, sum = 0, squares = 0;
+  for (int n = 1; n <= steps; ++n) {
+    run_steps(*solver, dt, 1, ramp + n);
+    pull -= dt * probe(*solver, "contact.first.second.fx");
+    push += dt * probe(*solver, "contact.first.second.fy");
+    const double t = (n - 0.5 * (steps + 1)) * dt;
+    sum += t * velocity_of(solver->points(), 1)[0];
+    squares += t * t;
   }
-  found.speed = velocity_of(solver->points(), 1)[0];
-  found.way = solver->points().x[first][0] - start[0];
-  return found;
+  return {.acceleration = sum / squares, .friction = pull / push};
 }
 
 TEST(BodyGroups, block_of_soil_on_a_bed_of_soil) {
@@ -78,45 +86,56 @@ TEST(BodyGroups, block_of_soil_on_a_bed_of_soil) {
   for (const char* scheme : {"implicit", "explicit"}) {
     for (const double height : {1.0, 1.25, 1.5}) {
       for (const char* basis : {"gimp", "linear"}) {
-        const Slide found = slide(basis, scheme, 0.3, height);
-        const std::string what = fmt::format(
-            "block on a bed, both soil, friction 0.3, {}, {}, bed "
-            "of {} cells",
-            scheme, basis, height + 3);
+        const Slide found = slide({.basis = basis, .scheme = scheme, .height = height});
+        const std::string what =
+            fmt::format("block on a bed, both soil, friction 0.3, {}, {}, bed of {} cells", scheme,
+                        basis, height + 3);
         verify({.id = "VB1",
-                .what = what + ": speed after 0.3 s",
-                .exact = g * (std::sin(angle) - 0.3 * std::cos(angle)) * 0.3,
-                .computed = found.speed,
-                .bound = 0.005,
-                .unit = "m/s"});
+                .what = what + ": acceleration",
+                .exact = g * (std::sin(angle) - 0.3 * std::cos(angle)),
+                .computed = found.acceleration,
+                .bound = 0.01,
+                .unit = "m/s^2"});
         verify({.id = "VB1",
                 .what = what + ": friction over normal impulse",
                 .exact = 0.3,
-                .computed = found.pull / found.push,
+                .computed = found.friction,
                 .measure = Measure::absolute_error,
-                .bound = 1e-3});
+                .bound = 2e-3});
       }
     }
   }
 }
 
+/// From a state of rest under its weight.
 TEST(BodyGroups, block_that_friction_holds) {
-  const Slide found = slide("gimp", "implicit", 0.7, 1.25, 0.2);
-  verify({.id = "VB1",
-          .what = "block on a bed, both soil, friction 0.7: speed at rest",
-          .exact = 0,
-          .computed = found.speed,
-          .measure = Measure::absolute_error,
-          .bound = 1e-3,
-          .unit = "m/s"});
-  EXPECT_LT(std::abs(found.way), 1e-3 * h);
+  for (const double height : {1.0, 1.25}) {
+    Json scene = block_on_bed({.friction = 0.7, .height = height});
+    scene.erase("time_integration");
+    scene["phases"] = {
+        {{"until", 0.1}, {"analysis", "quasi_static"}, {"gravity_ramp", {{"duration", 0.1}}}},
+        {{"analysis", "dynamic"}, {"time_integration", {{"scheme", "bossak"}, {"alpha", -0.3}}}}};
+    const auto solver = mpm_solver<2>(scene);
+    const std::int32_t first = solver->points().body_starts[1];
+    run_steps(*solver, 0.005, 20);
+    const double start = solver->points().x[first][0];
+    run_steps(*solver, 0.005, 60, 21);
+    verify({.id = "VB1",
+            .what = fmt::format("block on a bed, both soil, friction 0.7, bed of {} cells: drift "
+                                "in 0.3 s",
+                                height + 3),
+            .exact = 0,
+            .computed = solver->points().x[first][0] - start,
+            .measure = Measure::absolute_error,
+            .bound = 1e-5,
+            .unit = "m"});
+  }
 }
 
-/// VB2: two bodies, one upon the other in a slot, whose top wall goes down; stress E u / L.
+/// VB2: two bodies, one upon the other in a slot, under a lid that goes down.
 struct Press {
   double force = 0, opposite = 0;  // between the bodies, and on the bottom wall [N/m]
   double lowest = 0, highest = 0;  // vertical stress of the points [Pa]
-  double opened = 0;               // force between the bodies after the top went up [N/m]
 };
 Press press(const std::string& basis, double offset) {
   const double E = 1e6, top = 0.6, middle = 0.3 + offset * h;
@@ -134,11 +153,10 @@ Press press(const std::string& basis, double offset) {
          {"mode", "slip"},
          {"penalty_factor", 1e4},
          {"surface", {{"polyline", {{-0.1, top}, {0.5, top}}}, {"spacing", h}}},
-         {"motion", {{"table", {{0, 0, 0}, {0.1, 0, -1e-3}, {0.2, 0, -2e-3}, {0.3, 0, 2e-3}}}}}}}},
+         {"motion", {{"table", {{0, 0, 0}, {1, 0, -1e-2}}}}}}}},
       {"bodies",
        {body("lower", box({0, 0}, {0.4, middle}, {4, cells(middle)}, "quad4"), 4, soil),
         body("upper", box({0, middle}, {0.4, top}, {4, cells(top - middle)}, "quad4"), 4, soil)}},
-      {"newton", exact_newton},
       {"contact_groups", groups_of("lower", "upper", {{"friction", 0.3}})}};
   const auto solver = mpm_solver<2>(scene);
   run_steps(*solver, 0.02, 10, 1);
@@ -151,8 +169,6 @@ Press press(const std::string& basis, double offset) {
     found.lowest = std::min(found.lowest, -tau(1, 1));
     found.highest = std::max(found.highest, -tau(1, 1));
   }
-  run_steps(*solver, 0.02, 5, 11);
-  found.opened = probe(*solver, "contact.first.second.fy");
   return found;
 }
 
@@ -173,7 +189,6 @@ TEST(BodyGroups, a_press_of_two_bodies) {
               .exact = 1,
               .computed = found.highest / found.lowest,
               .bound = 0.01});
-      EXPECT_EQ(found.opened, 0) << what;
     }
   }
 }
