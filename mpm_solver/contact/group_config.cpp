@@ -5,11 +5,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
-#include "mpm_solver/checks/seepage.hpp"
-#include "mpm_solver/config_checks.hpp"
 #include "mpm_solver/grid/group_fields.hpp"
 
 namespace gabion::mpm {
@@ -112,35 +109,6 @@ void read_pairs(ConfigReader& in, BodyGroups& groups) {
   }
 }
 
-template <int dim>
-void check_scene(const ConfigReader& in, const GroupScene<dim>& scene, std::size_t num_groups) {
-  const char* key = "contact_groups";
-  if (!scene.grid.box) {
-    in.fail(key, fmt::format("found on a grid that is not a \"box\" of {}, allowed: such a box",
-                             dim == 2 ? "quad4" : "hex8"));
-  }
-  const double most = std::numeric_limits<std::int32_t>::max();
-  if (static_cast<double>(num_groups) * scene.grid.num_nodes_total() > most) {
-    in.fail(key, fmt::format("found {} groups on {} nodes of the grid, allowed: groups times nodes "
-                             "up to {}",
-                             num_groups, scene.grid.num_nodes_total(), most));
-  }
-  for (const Body<dim>& body : scene.bodies) {
-    if (!drains(body)) continue;
-    in.fail(key, fmt::format("found with the pore water of \"{}\" that drains, allowed: bodies "
-                             "that are dry or have no \"permeability\"",
-                             body.name));
-  }
-  const auto require_facets = [&](const ContactSettings<dim>& surface) {
-    if (std::holds_alternative<FacetSettings>(surface.method)) return;
-    in.fail(key, fmt::format("found with the boundary points of \"{}\", allowed: \"method\": "
-                             "\"facets\"",
-                             surface.name));
-  };
-  for (const auto& interface : scene.interfaces) require_facets(interface);
-  for (const auto& wall : scene.rigid_walls) require_facets(wall.boundary);
-}
-
 KeyTable group_keys() {
   return {"contact_group",
           "Bodies that share the nodes of the grid, so that they stick to each other.",
@@ -183,18 +151,14 @@ KeyTable contact_group_keys() {
            key::objects("pairs", pair_keys(), "The contact of each two groups.").not_empty()}};
 }
 
-template <int dim>
-BodyGroups read_body_groups(ConfigReader& in, const GroupScene<dim>& scene) {
+BodyGroups read_body_groups(ConfigReader& in, const std::vector<std::string>& bodies) {
   BodyGroups groups;
   auto item = in.optional_object("contact_groups");
   if (!item) return groups;
   groups.where = in.where("contact_groups");
-  std::vector<std::string> bodies;
-  for (const Body<dim>& body : scene.bodies) bodies.push_back(body.name);
   read_groups(*item, bodies, groups);
   read_pairs(*item, groups);
   item->finish();
-  check_scene(in, scene, groups.names.size());
   return groups;
 }
 
@@ -202,8 +166,5 @@ void require_one_rank_for_groups(int num_ranks, const BodyGroups& groups) {
   if (!groups.any() || num_ranks == 1) return;
   throw ConfigError(fmt::format("{}: found {} ranks, allowed: 1", groups.where, num_ranks));
 }
-
-template BodyGroups read_body_groups<2>(ConfigReader&, const GroupScene<2>&);
-template BodyGroups read_body_groups<3>(ConfigReader&, const GroupScene<3>&);
 
 }  // namespace gabion::mpm

@@ -108,13 +108,13 @@ TEST(BodyGroups, a_flat_contact_has_its_normal_gap_and_area) {
   for (const mpm::Basis basis : {mpm::Basis::linear, mpm::Basis::gimp, mpm::Basis::bspline}) {
     for (const double offset : {0.0, 0.1, 0.25, 0.5, 0.8}) {
       const Patch flat = flat_patch(basis, offset, 0);
-      EXPECT_NEAR(flat.area, 6 * h, 0.03 * 6 * h) << basis_name(basis) << " " << offset;
+      EXPECT_NEAR(flat.area, 6 * h, 1e-3 * 6 * h) << basis_name(basis) << " " << offset;
       EXPECT_LT(flat.turned, 0.01) << basis_name(basis) << " " << offset;
       EXPECT_LT(flat.gap, 1e-3 * h) << basis_name(basis) << " " << offset;
       if (basis == mpm::Basis::bspline) continue;  // few points see its nodes where rows cut them
       for (const double angle : {0.1, 0.3, 0.5}) {
         const Patch turned = flat_patch(basis, offset, angle);
-        EXPECT_NEAR(turned.area, 6 * h, 0.12 * 6 * h)
+        EXPECT_NEAR(turned.area, 6 * h, (basis == mpm::Basis::gimp ? 0.015 : 0.12) * 6 * h)
             << basis_name(basis) << " " << offset << " " << angle;
         EXPECT_LT(turned.turned, 0.03) << basis_name(basis) << " " << offset << " " << angle;
         EXPECT_LT(turned.gap, 0.02 * h) << basis_name(basis) << " " << offset << " " << angle;
@@ -264,6 +264,35 @@ TEST(BodyGroups, blocks_that_collide_keep_their_momentum_and_part) {
         EXPECT_NEAR(probe(*solver, "energy_balance"), 0, 2e-4 * start) << where;
       }
     }
+  }
+}
+
+TEST(BodyGroups, blocks_that_collide_in_space) {
+  for (const char* scheme : {"newmark", "explicit"}) {
+    Json scene = {{"dimension", 3},
+                  {"grid", box({0, 0, 0}, {0.6, 0.6, 1}, {6, 6, 10}, "hex8")},
+                  {"time_integration", {{"scheme", scheme}}},
+                  {"bodies",
+                   {body("low", box({0.15, 0.15, 0.2}, {0.45, 0.45, 0.5}, {3, 3, 3}, "hex8"), 8,
+                         elastic_soil("neo_hookean", 1e6, 0.3, 1500), {0, 0, 1}),
+                    body("high", box({0.22, 0.2, 0.51}, {0.42, 0.4, 0.71}, {2, 2, 2}, "hex8"), 8,
+                         elastic_soil("neo_hookean", 1e6, 0.3, 1500), {0.2, 0.1, -1})}},
+                  {"contact_groups", groups_of("low", "high", {{"friction", 0.3}})}};
+    if (scheme == std::string("newmark")) scene["newton"] = exact_newton;
+    const auto solver = make_mpm(scene);
+    const double start = energy(*solver), pz = probe(*solver, "momentum_z"),
+                 px = probe(*solver, "momentum_x");
+    double largest = start, force = 0;
+    for (int n = 1; n <= 50; ++n) {
+      run_steps(*solver, 1e-3, 1, n);
+      largest = std::max(largest, energy(*solver));
+      force = std::max(force, probe(*solver, "contact.a.b.fz"));
+    }
+    EXPECT_GT(force, 100) << scheme;
+    EXPECT_EQ(probe(*solver, "contact.a.b.fz"), 0) << scheme;
+    EXPECT_LT(largest, start * (1 + 1e-6)) << scheme;
+    EXPECT_NEAR(probe(*solver, "momentum_z"), pz, 1e-6 * pz) << scheme;
+    EXPECT_NEAR(probe(*solver, "momentum_x"), px, 1e-6 * pz) << scheme;
   }
 }
 
