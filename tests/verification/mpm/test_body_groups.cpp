@@ -101,7 +101,7 @@ TEST(BodyGroups, block_of_soil_on_a_bed_of_soil) {
                 .exact = 0.3,
                 .computed = found.friction,
                 .measure = Measure::absolute_error,
-                .bound = 2e-3});
+                .bound = 1e-3});
       }
     }
   }
