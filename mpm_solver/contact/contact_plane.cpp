@@ -18,10 +18,18 @@ constexpr double regularisation = 1e-4;
 constexpr double first_steepness = 5;
 
 // Steepness of the soft margins, one after the other: the last one sees the nearest points alone.
-constexpr double steepness[] = {20, 100, 500, 3000};
+constexpr double steepness[] = {20, 250, 3000};
 
 constexpr int most_steps = 30;
-constexpr double small_step = 1e-9;
+constexpr int most_halvings = 8;
+
+// Changes of the regression's plane, and of the normal with the widest margin, that are none: the
+// first begins the search for the second.
+constexpr double small_change = 1e-3;
+constexpr double small_turn = 1e-7;
+
+// Points with a smaller weight in a soft end than exp of this count for nothing.
+constexpr double least_exponent = -40;
 
 template <int dim>
 using Plane = Eigen::Matrix<double, dim + 1, 1>;  // (phi_n, phi_0)
@@ -80,7 +88,7 @@ Vector<dim> logistic_normal(const TwoClouds<dim>& clouds, const Vector<dim>& gue
     phi += step;
     now = next;
     damping = std::max(1e-12, damping / 10);
-    if (step.norm() <= small_step * phi.norm()) break;
+    if (step.norm() <= small_change * phi.norm()) break;
   }
   const double size = phi.template head<dim>().norm();
   return size > 0 ? Vector<dim>(phi.template head<dim>() / size) : guess;
@@ -106,7 +114,9 @@ struct SoftEnd {
     double end = -std::numeric_limits<double>::infinity(), sum = 0;
     for (const Vector<dim>& x : points) end = std::max(end, side * n.dot(x));
     for (const Vector<dim>& x : points) {
-      const double weight = std::exp(k * (side * n.dot(x) - end));
+      const double exponent = k * (side * n.dot(x) - end);
+      if (exponent < least_exponent) continue;
+      const double weight = std::exp(exponent);
       sum += weight;
       mean += weight * x;
       spread += weight * x * x.transpose();
@@ -149,9 +159,10 @@ Vector<dim> widest_margin(const TwoClouds<dim>& clouds, Vector<dim> n, double k)
     auto curvature = (k * T.transpose() * (now.first.spread + now.second.spread) * T).eval();
     curvature.diagonal().array() += std::max(1e-3, n.dot(now.way()));
     Vector<dim> move = T * curvature.ldlt().solve(gradient);
+    if (move.norm() < small_turn) break;
     if (move.norm() > 0.3) move *= 0.3 / move.norm();
     bool better = false;
-    for (int half = 0; half < 20 && !better; ++half, move /= 2) {
+    for (int half = 0; half < most_halvings && !better; ++half, move /= 2) {
       const Vector<dim> trial = (n + move).normalized();
       const SoftMargin<dim> next(clouds, trial, k);
       if (next.value() <= now.value()) continue;
@@ -159,7 +170,7 @@ Vector<dim> widest_margin(const TwoClouds<dim>& clouds, Vector<dim> n, double k)
       n = trial;
       now = next;
     }
-    if (!better || move.norm() < small_step) break;
+    if (!better) break;
   }
   return n;
 }
@@ -168,7 +179,8 @@ Vector<dim> widest_margin(const TwoClouds<dim>& clouds, Vector<dim> n, double k)
 
 template <int dim>
 PlaneNormal<dim> plane_between(const TwoClouds<dim>& clouds, const Vector<dim>& guess) {
-  PlaneNormal<dim> result{.n = logistic_normal(clouds, guess)};
+  PlaneNormal<dim> result{.n = guess};
+  if (!(margin(clouds, guess) > 0)) result.n = logistic_normal(clouds, guess);
   result.separates = margin(clouds, result.n) > 0;
   if (!result.separates) return result;
   for (const double k : steepness) result.n = widest_margin(clouds, result.n, k);

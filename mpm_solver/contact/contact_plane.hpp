@@ -21,8 +21,8 @@ struct PlaneNormal {
 };
 
 /// Normal of the plane that parts two clouds of points: logistic regression, and where a plane
-/// parts them the one with the widest margin (docs/theory/interface.md, bodies with fields of their
-/// own).
+/// parts them the one with the widest margin (docs/theory/bodies.md). There is but one of these, so
+/// no regression is made where a plane across the guess parts them already.
 /// @param guess  of length 1
 /// @see Nairn, Hammerquist, Smith (2020)
 template <int dim>

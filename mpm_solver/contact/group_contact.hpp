@@ -10,8 +10,8 @@
 
 namespace gabion::mpm {
 
-/// Bodies of different groups against each other (docs/theory/interface.md, bodies with fields of
-/// their own), at the contact nodes, on which both weigh:
+/// Bodies of different groups against each other (docs/theory/bodies.md), at the contact nodes, on
+/// which both weigh:
 ///
 ///     g = g_0 + n . (du_B - du_A) ,  f_B = A Q t ,  f_A = -A Q t
 ///

@@ -24,12 +24,12 @@ struct GroupNode {
   double modulus = 0;                   ///< the smaller P-wave modulus [Pa]
 };
 
-/// The contact nodes of the accepted state: normals and gaps by logistic regression, areas by the
-/// gradients of volume (docs/theory/interface.md, bodies with fields of their own).
+/// The contact nodes of the accepted state: normals and gaps by the points around, areas by the
+/// gradients of volume (docs/theory/bodies.md, (G1) to (G4)).
 /// @returns by place, then by pair
 template <int dim>
 std::vector<GroupNode<dim>> find_contact_nodes(const SoilSurface<dim>& soil,
-                                             const BodyGroups& groups);
+                                               const BodyGroups& groups);
 
 /// Nodes of a box at most so many cells from a node along each axis, that one among them.
 template <int dim>
