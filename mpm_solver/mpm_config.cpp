@@ -13,11 +13,13 @@
 #include "mpm_solver/boulders/boulder_config.hpp"
 #include "mpm_solver/checks/cell_filling.hpp"
 #include "mpm_solver/checks/grid_mesh.hpp"
+#include "mpm_solver/checks/group_needs.hpp"
 #include "mpm_solver/checks/phase_needs.hpp"
 #include "mpm_solver/checks/seepage.hpp"
 #include "mpm_solver/checks/snap_back.hpp"
 #include "mpm_solver/config_checks.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
+#include "mpm_solver/contact/group_config.hpp"
 #include "mpm_solver/gauges/gauge_config.hpp"
 #include "mpm_solver/grid/basis.hpp"
 
@@ -343,6 +345,10 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.interfaces = read_interfaces<dim>(scene, in, penalty_unit);
   settings.rigid_walls = read_rigid_walls<dim>(scene, in, penalty_unit);
   require_names_apart(in, settings);
+  std::vector<std::string> bodies;
+  for (const auto& body : settings.bodies) bodies.push_back(body.name);
+  settings.body_groups = read_body_groups(in, bodies);
+  check_group_needs(in, settings);
   check_phase_needs(in, settings);
   check_seepage(in, settings);
   std::vector<std::string> walls;
@@ -350,7 +356,8 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   resolve_rigid_walls(in, walls, settings.phases);
   read_boulders<dim>(scene, in, boulder_scene<dim>(settings, settings.grid), settings.boulders,
                      settings.rigid_walls);
-  const bool meets = !settings.interfaces.empty() || !settings.rigid_walls.empty();
+  const bool meets =
+      !settings.interfaces.empty() || !settings.rigid_walls.empty() || settings.body_groups.any();
   for (const Phase& phase : settings.phases) {
     if (meets) require_balance_at_end_of_step(in, phase.scheme);
   }

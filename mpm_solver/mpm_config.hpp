@@ -10,6 +10,7 @@
 #include "common/mechanics/petsc/linear_solver.hpp"
 #include "common/settings/scene.hpp"
 #include "mpm_solver/boulders/boulder_settings.hpp"
+#include "mpm_solver/contact/body_groups.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
 #include "mpm_solver/gauges/gauge.hpp"
 #include "mpm_solver/phases/phases.hpp"
@@ -38,6 +39,7 @@ struct MpmSettings {
   std::string bodies_where;               ///< their place in the config, for error messages
   std::vector<PointLayout<dim>> layouts;  ///< of each body
   std::vector<std::optional<InitialStress>> initial_stress;  ///< of each body
+  BodyGroups body_groups;  ///< none: all bodies share the nodes of the grid
   Vector<dim> gravity = Vector<dim>::Zero();
   std::vector<Phase> phases;  ///< at least one
   /// Acceleration [m/s^2] that acts on material points besides gravity, from their position at the

@@ -4,6 +4,7 @@
 #include "mpm_solver/boulders/boulder_config.hpp"
 #include "mpm_solver/boulders/random_boulder_config.hpp"
 #include "mpm_solver/contact/contact_keys.hpp"
+#include "mpm_solver/contact/group_config.hpp"
 #include "mpm_solver/gauges/gauge_config.hpp"
 #include "mpm_solver/mpm_config.hpp"
 
@@ -113,6 +114,11 @@ std::vector<Key> model_keys() {
                       "of a map; for what is exported from the results, the run itself is local.")
               .or_else(0),
           key::objects("bodies", body_keys(), "The soil.").not_empty(),
+          key::object("contact_groups", contact_group_keys(),
+                      "Bodies that have nodes of their own and meet by contact, on a `box` grid of "
+                      "quad4 or hex8 and one rank; none: all bodies share the nodes, and stick to "
+                      "each other.")
+              .or_none(),
           key::vector("gravity", "m/s^2", "Acceleration on all material points.").or_else(0),
           key::choice("outside", {"error", "remove"},
                       "Material points that leave the grid: the step fails, or they are taken out.")

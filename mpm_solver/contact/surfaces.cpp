@@ -7,11 +7,14 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/dropped_contact.hpp"
+#include "mpm_solver/contact/group_contact.hpp"
 
 namespace gabion::mpm {
 
@@ -58,6 +61,19 @@ Surfaces<dim>::Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& 
 }
 
 template <int dim>
+void Surfaces<dim>::add_groups(const BodyGroups& groups, std::int32_t num_places) {
+  auto contact = std::make_unique<GroupContact<dim>>(groups, num_places);
+  groups_ = &groups;
+  between_groups_ = contact.get();
+  contacts_.push_back(std::move(contact));
+}
+
+template <int dim>
+std::vector<Vector<dim>> Surfaces<dim>::forces_between_groups() const {
+  return between_groups_ != nullptr ? between_groups_->forces() : std::vector<Vector<dim>>();
+}
+
+template <int dim>
 PlacedSurface<dim> Surfaces<dim>::placed(std::size_t surface) const {
   const ContactSurface<dim>& mesh = settings(surface).surface;
   PlacedSurface<dim> result{.simplices = simplices(mesh), .vertices = mesh.vertices};
@@ -92,6 +108,7 @@ void Surfaces<dim>::drop_all() {
   for (std::size_t k = 0; k < places_.size(); ++k) {
     if (dropped_[k] == 0) drop(k);
   }
+  if (between_groups_ != nullptr) between_groups_->drop(0, true);
   std::fill(touching_.begin(), touching_.end(), 0);
   symmetric_ = true;
 }
@@ -154,6 +171,7 @@ void Surfaces<dim>::begin_step(const SoilSurface<dim>& soil) {
     touching_[k] = touching[k] > 0;
     symmetric_ &= !touching_[k] || contact_of(k).symmetric();
   }
+  if (between_groups_ != nullptr) symmetric_ &= between_groups_->symmetric();
 }
 
 template <int dim>
@@ -261,6 +279,9 @@ void Surfaces<dim>::report(StepReport& report) const {
   for (std::size_t k = 0; k < walls_.size(); ++k) {
     add(walls_[k].name + ".", counts(interfaces_.size() + k));
   }
+  for (std::size_t k = 0; groups_ != nullptr && k < groups_->pairs.size(); ++k) {
+    add("contact." + groups_->text_of(k) + ".", between_groups_->counts(k));
+  }
 }
 
 template <int dim>
@@ -347,6 +368,11 @@ void Surfaces<dim>::visit_state(StateVisitor& visitor) {
     if (dropped[k] != 0 && dropped_[k] == 0) drop(k);
     if (dropped[k] == 0 && dropped_[k] != 0) take_back(k);
   }
+  bool has_groups = groups_ != nullptr;
+  visitor.flag("contact_groups", has_groups);
+  require(has_groups == (groups_ != nullptr),
+          "saved state: found a run {} contact_groups, allowed: the groups of this run",
+          has_groups ? "with" : "without");
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     contacts_[k]->visit_state(visitor, fmt::format("boundary_{}.", k));
   }

@@ -3,19 +3,27 @@
 
 #include <mpi.h>
 
+#include "mpm_solver/contact/body_groups.hpp"
 #include "mpm_solver/contact/contact.hpp"
 #include "mpm_solver/contact/seams.hpp"
 
 namespace gabion::mpm {
 
+template <int dim>
+class GroupContact;
+
 /// All surfaces that may touch the soil: the interfaces, then the rigid walls. Those of the method
-/// `facets` that meet are one contact, see joint_surfaces. Refers to their settings.
+/// `facets` that meet are one contact, see joint_surfaces. Then the contact between groups of
+/// bodies, which has no surface. Refers to their settings.
 template <int dim>
 class Surfaces {
  public:
   /// @param cell_size  mean [m]
   Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& interfaces,
            const std::vector<RigidWallSettings<dim>>& walls, double cell_size);
+
+  /// Let groups of bodies meet. @param num_places  nodes of the grid
+  void add_groups(const BodyGroups& groups, std::int32_t num_places);
 
   const Contacts<dim>& contacts() const { return contacts_; }
   std::size_t size() const { return places_.size(); }
@@ -61,6 +69,8 @@ class Surfaces {
   /// Force on each rigid wall and moment about RigidWallSettings::moment_about, see
   /// Contact::resultant.
   std::vector<double> forces_on_walls() const;
+  /// GroupContact::forces, none without groups. @note Not collective.
+  std::vector<Vector<dim>> forces_between_groups() const;
   /// The smallest Contact::approach_step of all.
   double approach_step(double dt, double margin) const;
   /// Sums over the contacts.
@@ -106,8 +116,10 @@ class Surfaces {
   const std::vector<RigidWallSettings<dim>>& walls_;
   std::vector<Place> places_;  // of each surface
   Contacts<dim> contacts_;
-  std::vector<std::int32_t> dropped_;  // of each surface: 1 if it was
-  std::vector<char> touching_;         // of each surface, in this step, on any rank
+  const BodyGroups* groups_ = nullptr;           // null: all bodies share their nodes
+  GroupContact<dim>* between_groups_ = nullptr;  // the last one of contacts_, with groups_
+  std::vector<std::int32_t> dropped_;            // of each surface: 1 if it was
+  std::vector<char> touching_;                   // of each surface, in this step, on any rank
   bool symmetric_ = true;
 };
 

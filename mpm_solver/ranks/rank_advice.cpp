@@ -41,6 +41,7 @@ std::string needs_one_rank(const MpmSettings<dim>& settings) {
   const bool water_drains =
       std::ranges::any_of(settings.bodies, [](const Body<dim>& body) { return drains(body); });
   if (water_drains) return "pore water that drains";
+  if (settings.body_groups.any()) return "bodies with nodes of their own";
   return doubles_nodes(settings) ? "a thin wall whose sides have nodes of their own" : "";
 }
 

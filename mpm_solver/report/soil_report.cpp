@@ -132,6 +132,10 @@ std::vector<std::string> SoilReport<dim>::probe_names() const {
       names.push_back(fmt::format("{}.m{}", wall.name, axes[d]));
     }
   }
+  for (std::size_t k = 0; k < settings.body_groups.pairs.size(); ++k) {
+    const std::string pair = settings.body_groups.text_of(k);
+    for (int d = 0; d < dim; ++d) names.push_back(fmt::format("contact.{}.f{}", pair, axes[d]));
+  }
   for (const auto& name : Boulders<dim>::names(boulder_scene<dim>(settings, model_.grid))) {
     names.push_back(name);
   }
@@ -163,6 +167,9 @@ std::vector<double> SoilReport<dim>::probes(const SoilState<dim>& state) const {
   append(water_probe_values(model_, state));
   for (const auto& force : state.wall_forces) append(std::span(force.data(), dim));
   append(state.rigid_wall_forces);
+  for (const auto& force : state.surfaces.forces_between_groups()) {
+    append(std::span(force.data(), dim));
+  }
   append(state.boulders.values());
   append(state.gauges.values(state.points));
   if (model_.lets_out) {

@@ -57,13 +57,13 @@ SharedNodes nodes_of_both(const CellList& own, const CellList& neighbour) {
   return nodes;
 }
 
-// 1 for the nodes of the grid that have two numbers.
+// 1 for the nodes of the grid that have several numbers.
 template <int dim>
 SparseList<char> doubled_nodes(const BackgroundGrid<dim>& grid, const PointWeights<dim>& weights) {
   SparseList<char> doubled(grid.num_nodes_total(), 0);
   if (weights.num_fields == 1) return doubled;
   for (const std::int32_t node : weights.group_nodes) {
-    if (node >= grid.num_nodes_total()) doubled.at(node - grid.num_nodes_total()) = 1;
+    if (node >= grid.num_nodes_total()) doubled.at(node % grid.num_nodes_total()) = 1;
   }
   return doubled;
 }

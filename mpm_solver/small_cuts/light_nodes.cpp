@@ -171,7 +171,9 @@ std::int32_t join_light_nodes(MPI_Comm comm, const LightNodeSearch<dim>& search,
   bool any = false;
   for (std::int32_t i = 0; i < nodes.size(); ++i) {
     const std::int32_t node = nodes.grid_node[i];
-    const bool is_light = nodes.m[i] < search.share * reach[i];
+    const double share =
+        nodes.is_doubled(i) ? std::max(search.share, search.doubled_share) : search.share;
+    const bool is_light = nodes.m[i] < share * reach[i];
     const bool is_free = !search.walls.holds(nodes.place(i));
     kinds.at(node) = !is_free ? heavy : is_light ? light : is_weak[i] == 1 ? weak : heavy;
     any |= joins(kinds[node]);

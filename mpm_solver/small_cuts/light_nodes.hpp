@@ -18,6 +18,7 @@ struct LightNodeSearch {
   const PointWeights<dim>& weights;
   const WallConditions<dim>& walls;
   double share = 0;  ///< of the mass within reach
+  double doubled_share = 0;  ///< the same of nodes with several numbers, where it is larger
   /// The surfaces, where weak nodes (find_weak_nodes) join too; null: they do not.
   const FacetSights<dim>* sights = nullptr;
 };
@@ -27,7 +28,8 @@ struct LightNodeSearch {
 ///     m_i < share sum_p m_p   over the points with N_ip among their values,
 ///
 /// makes the stiffness nearly singular where there is no inertia: nothing but the gradient of a
-/// shape function then keeps it in its place. It is not solved for: it takes the number of the
+/// shape function then keeps it in its place. With inertia it does so where bodies slide on each
+/// other, since friction at its limit holds nothing. It is not solved for: it takes the number of the
 /// nearest heavier node of its grid cells and moves with it, so that mass, weight and every force
 /// on it act there. Weak nodes join the nearest one that is before the surface which they are
 /// behind. Nodes that a wall holds neither join nor are joined; without a partner a node stays.

@@ -262,7 +262,7 @@ void Equilibrium<dim>::add_inertia(std::span<const double> du, std::span<double>
 
 template <int dim>
 std::string Equilibrium<dim>::describe_node(std::size_t i) const {
-  const std::int32_t node = parts_.nodes.grid_node[i];
+  const std::int32_t node = parts_.nodes.place(static_cast<std::int32_t>(i));
   const Vector<dim> x = parts_.grid.node(node);
   return fmt::format("grid node {} at ({:.4g})", node, fmt::join(x.data(), x.data() + dim, ", "));
 }

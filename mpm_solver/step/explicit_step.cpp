@@ -68,8 +68,9 @@ void ExplicitStep<dim>::begin(const StepStart& start) {
                                           .largest_courant = std::max(1.0, courant_),
                                           .body_force = body_force});
   repeated_ = std::exchange(repeats_, false);
-  // Boulders move as well as interfaces do.
+  // Boulders move as well as interfaces do, and what an interface moves may push another body.
   may_repeat_ = !model.settings.whole_iterations && model.settings.boulders.empty() &&
+                !model.settings.body_groups.any() &&
                 parts_.state.surfaces.may_touch_interface();
   soil_dt_ = stable_.of_soil(parts_.state.points);
   count_ = count_for(start.dt, parts_.state.contact_rate);

@@ -8,6 +8,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/checks/seepage.hpp"
 #include "mpm_solver/checks/soil_at_rest.hpp"
+#include "mpm_solver/contact/group_config.hpp"
 
 namespace gabion::mpm {
 
@@ -59,6 +60,7 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
         std::visit([](const auto& law) { return law.symmetric_tangent(); }, material.law);
   }
   if (drains) require_one_rank_for_seepage(num_ranks(comm), settings.bodies_where);
+  require_one_rank_for_groups(num_ranks(comm), settings.body_groups);
   stressed = std::any_of(settings.initial_stress.begin(), settings.initial_stress.end(),
                          [](const auto& stress) { return stress.has_value(); });
   exit_sides = find_exit_sides(settings, grid.facet_groups);

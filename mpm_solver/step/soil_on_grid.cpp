@@ -13,6 +13,7 @@
 #include "common/mechanics/ranks/packet.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "mpm_solver/grid/group_fields.hpp"
 #include "mpm_solver/grid/soil_border.hpp"
 #include "mpm_solver/grid/transfer.hpp"
 #include "mpm_solver/points/flat.hpp"
@@ -21,6 +22,10 @@
 namespace gabion::mpm {
 
 namespace {
+
+// Share of the mass of its points below which a node of one of several groups of bodies joins
+// another one of its group.
+constexpr double light_share = 0.01;
 
 bool leads_out(const Phase& phase, const std::vector<std::string>& sides) {
   return std::any_of(phase.outflows.begin(), phase.outflows.end(), [&](const auto& outflow) {
@@ -41,10 +46,11 @@ std::string side_text(const Phase& phase, const std::vector<std::string>& sides)
                                    "have to round it off");
 }
 
-// Ranks do not tell each other of sides.
+// Ranks do not tell each other of sides, and groups of bodies have the numbers of doubled nodes.
 template <int dim>
 bool may_double_nodes(const SoilModel<dim>& model) {
-  return can_double_nodes(model.grid) && num_ranks(model.comm) == 1;
+  return can_double_nodes(model.grid) && num_ranks(model.comm) == 1 &&
+         !model.settings.body_groups.any();
 }
 
 std::vector<std::int32_t> take_cells(Packet& packet) {
@@ -96,6 +102,8 @@ void SoilOnGrid<dim>::weigh() {
     border.emplace(ranks_.owners(), cells_with_points(model_.grid, points_));
   }
   evaluate_basis(model_.grid, points_, weights_, border ? &*border : nullptr);
+  const BodyGroups& groups = model_.settings.body_groups;
+  if (groups.any()) split_groups(groups.of_body, model_.grid.num_nodes_total(), weights_);
 }
 
 // Part those that can have fields by side from the others.
@@ -165,13 +173,16 @@ void SoilOnGrid<dim>::cure_small_cuts(const Mapping& mapping) {
       method_in(cuts, model_.grid.basis, model_.settings.phases[mapping.phase].dynamic);
   const bool joins_light = !mapping.with_inertia || method == SmallCutMethod::mass_cutoff;
   const bool joins_weak = sights_ && sights_->follow(surfaces_);
-  if (joins_light || joins_weak) {
+  const bool joins_doubled =
+      model_.settings.body_groups.any() && !model_.settings.phases[mapping.phase].is_explicit();
+  if (joins_light || joins_weak || joins_doubled) {
     const auto joined = join_light_nodes<dim>(model_.comm,
                                               {.grid = model_.grid,
                                                .points = points_,
                                                .weights = weights_,
                                                .walls = walls(mapping.phase),
                                                .share = joins_light ? cuts.mass_share : 0,
+                                               .doubled_share = joins_doubled ? light_share : 0,
                                                .sights = joins_weak ? &*sights_ : nullptr},
                                               nodes_);
     if (joined > 0) points_to_grid(points_, weights_, nodes_);

@@ -186,6 +186,9 @@ SoilState<dim>::SoilState(const SoilModel<dim>& model)
       rigid_wall_forces(model.settings.rigid_walls.size() * wall_values<dim>, 0.0),
       ranks(model.comm, model.grid),
       removed_masses(model.exit_sides.size(), 0.0) {
+  if (model.settings.body_groups.any()) {
+    surfaces.add_groups(model.settings.body_groups, model.grid.num_nodes_total());
+  }
   locate_points(model, points);
   remove_soil_inside(model.comm, model.settings.boulders, model.settings.rigid_walls, points);
   ranks.divide(points, surfaces);

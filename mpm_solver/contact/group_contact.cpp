@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/contact/group_contact.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/log.hpp"
+#include "mpm_solver/grid/group_fields.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// A contact node takes gap and area from the points by this share for each cell that its soil has
+// moved through the grid.
+constexpr double renewal = 2;
+
+// Spheres of points that overlap by more than this share of the cell size, where no contact was
+// closed before, are worth a warning.
+constexpr double notable_overlap = 0.25;
+
+template <int dim>
+Vector<dim> tangential(const Vector<dim>& v, const Vector<dim>& n) {
+  return v - n.dot(v) * n;
+}
+
+template <int dim>
+Matrix<dim> frame_of(const Vector<dim>& n) {
+  Matrix<dim> frame;
+  frame.col(0) = n;
+  if constexpr (dim == 2) {
+    frame.col(1) << -n[1], n[0];
+  } else {
+    frame.col(1) = n.unitOrthogonal();
+    frame.col(2) = n.cross(frame.col(1));
+  }
+  return frame;
+}
+
+template <int dim>
+Eigen::Map<Vector<dim>> at(std::span<double> field, std::int32_t i) {
+  return Eigen::Map<Vector<dim>>(field.data() + std::ptrdiff_t{i} * dim);
+}
+template <int dim>
+Eigen::Map<const Vector<dim>> at(std::span<const double> field, std::int32_t i) {
+  return Eigen::Map<const Vector<dim>>(field.data() + std::ptrdiff_t{i} * dim);
+}
+
+// A slip turned into the plane across n, as long as before.
+template <int dim>
+Vector<dim> turned_slip(const Vector<dim>& slip, const Vector<dim>& n) {
+  const Vector<dim> turned = tangential<dim>(slip, n);
+  const double size = turned.norm();
+  return size > 0 ? Vector<dim>(turned * (slip.norm() / size)) : Vector<dim>(Vector<dim>::Zero());
+}
+
+}  // namespace
+
+template <int dim>
+ContactLaw GroupContact<dim>::law_of(const Touch& touch) const {
+  const GroupPair& pair = groups_.pairs[touch.node.pair];
+  const double M = touch.node.modulus, h = cell_size_;
+  return {.mode = pair.mode,
+          .friction = pair.friction,
+          .penalty = pair.penalty_factor * M / (h * h),
+          .tangential_penalty = pair.tangential_factor * M / h,
+          .normal = NormalLaw::quadratic};
+}
+
+template <int dim>
+bool GroupContact<dim>::symmetric() const {
+  return std::ranges::all_of(touches_, [&](const Touch& t) { return !law_of(t).has_friction(); });
+}
+
+// Go on with what the node was when the step before ended.
+template <int dim>
+void GroupContact<dim>::follow(Touch& touch) const {
+  GroupNode<dim>& node = touch.node;
+  const RememberedNode<dim>* const before = memory_.find(node.place, node.pair);
+  if (before == nullptr) return;
+  const double share = std::min(1.0, renewal * before->moved / cell_size_);
+  const double found = node.separates ? node.gap : before->gap;
+  node.gap = before->gap + share * (found - before->gap);
+  node.area = before->area + share * (node.area - before->area);
+  touch.old_force = before->force;
+  if (node.gap >= 0) return;
+  touch.goes_on = true;
+  touch.old_slip = turned_slip<dim>(before->slip, node.n);
+}
+
+// A new node in a contact that was closed goes on with it.
+template <int dim>
+void GroupContact<dim>::go_on_from_neighbours(const BackgroundGrid<dim>& grid, Touch& touch) const {
+  GroupNode<dim>& node = touch.node;
+  Vector<dim> slip = Vector<dim>::Zero();
+  double area = 0, gap = 0;
+  for (const std::int32_t place : places_around(grid, node.place, 1)) {
+    const RememberedNode<dim>* const near = memory_.find(place, node.pair);
+    if (near == nullptr) continue;
+    area += near->area;
+    slip += near->area * near->slip;
+    gap += near->area * near->gap;
+  }
+  if (area == 0) return;
+  if (!node.separates && node.gap == 0) node.gap = gap / area;
+  if (node.gap >= 0) return;
+  touch.goes_on = true;
+  touch.old_slip = turned_slip<dim>(slip / area, node.n);
+}
+
+template <int dim>
+void GroupContact<dim>::warn_of_overlap(const SoilSurface<dim>& soil, const Touch& touch) {
+  const GroupNode<dim>& node = touch.node;
+  if (said_overlap_ || touch.goes_on || node.overlap <= notable_overlap * cell_size_) return;
+  said_overlap_ = true;
+  const GroupPair& pair = groups_.pairs[node.pair];
+  const Vector<dim> x = soil.grid.node(node.place);
+  log::warn(
+      "{}: bodies of \"{}\" and \"{}\" are {:.3g} m in each other near ({:.4g}) without having "
+      "touched before: they passed each other in one step; take smaller steps",
+      groups_.where, groups_.names[pair.first], groups_.names[pair.second], node.overlap,
+      fmt::join(x.data(), x.data() + dim, ", "));
+}
+
+// Forces of the step before at nodes that both groups still have, but that carry no contact.
+template <int dim>
+void GroupContact<dim>::find_left_forces(const SoilSurface<dim>& soil) {
+  left_.clear();
+  if (memory_.nodes().empty()) return;
+  const GroupsAtNodes<dim> at_nodes(groups_.of_body, soil.nodes.num_places, soil.weights);
+  std::size_t k = 0;
+  const auto key = [](const auto& node) { return std::pair(node.place, node.pair); };
+  for (const RememberedNode<dim>& before : memory_.nodes()) {
+    while (k < touches_.size() && key(touches_[k].node) < key(before)) ++k;
+    if (k < touches_.size() && key(touches_[k].node) == key(before)) continue;
+    const GroupPair& pair = groups_.pairs[before.pair];
+    const std::uint32_t both = (std::uint32_t{1} << pair.first) | (std::uint32_t{1} << pair.second);
+    if ((at_nodes.at(before.place) & both) != both) continue;
+    const auto node = [&](std::int32_t group) {
+      return soil.nodes.active[at_nodes.node(before.place, group)];
+    };
+    left_.push_back({node(pair.first), node(pair.second), before.force});
+  }
+}
+
+template <int dim>
+void GroupContact<dim>::begin_step(const SoilSurface<dim>& soil) {
+  force_weight_ = soil.step_force_weight;
+  cell_size_ = soil.cell_size;
+  has_substeps_ = false;
+  touches_.clear();
+  for (const GroupNode<dim>& node : find_contact_nodes(soil, groups_)) {
+    Touch touch{.node = node};
+    follow(touch);
+    if (memory_.find(node.place, node.pair) == nullptr) go_on_from_neighbours(soil.grid, touch);
+    touch.frame = frame_of<dim>(node.n);
+    warn_of_overlap(soil, touch);
+    touches_.push_back(touch);
+  }
+  find_left_forces(soil);
+}
+
+template <int dim>
+void GroupContact<dim>::append_cells(std::vector<std::int32_t>& offsets,
+                                     std::vector<std::int32_t>& nodes) const {
+  for (const Touch& touch : touches_) {
+    nodes.insert(nodes.end(), {touch.node.first, touch.node.second});
+    offsets.push_back(static_cast<std::int32_t>(nodes.size()));
+  }
+}
+
+template <int dim>
+void GroupContact<dim>::move(std::span<const double> du, Touch& touch) const {
+  const auto first = at<dim>(du, touch.node.first), second = at<dim>(du, touch.node.second);
+  touch.way = second - first;
+  touch.middle_way = 0.5 * (first + second);
+  touch.gap = touch.node.gap + touch.node.n.dot(touch.way);
+  touch.traction = {};
+  touch.force.setZero();
+  if (touch.gap < 0) set_slip(touch);
+}
+
+// A contact that goes on has slipped since it began; a new one since its way met the surface.
+template <int dim>
+void GroupContact<dim>::set_slip(Touch& touch) const {
+  const Vector<dim>& n = touch.node.n;
+  touch.slip_share = 1;
+  touch.slip_share_slope = 0;
+  if (!touch.goes_on && touch.node.gap > 0) {
+    const double closing = touch.node.gap - touch.gap;
+    touch.slip_share = -touch.gap / closing;
+    touch.slip_share_slope = -touch.node.gap / (closing * closing);
+  }
+  touch.slip = touch.slip_share * tangential<dim>(touch.way, n);
+  if (touch.goes_on) touch.slip += touch.old_slip;
+}
+
+template <int dim>
+void GroupContact<dim>::add_stiffness(const Touch& touch, const Matrix<dim>& slope,
+                                      BlockMatrix<dim>& K) const {
+  const Vector<dim>& n = touch.node.n;
+  const double scale = force_weight_ * touch.node.area;
+  const Vector<dim> by_gap = scale * (touch.frame * slope.col(0));
+  const Matrix<dim> by_slip = scale * (touch.frame * slope * touch.frame.transpose()) *
+                              (Matrix<dim>::Identity() - n * n.transpose());
+  const Vector<dim> by_begin = touch.slip_share_slope * (by_slip * touch.way);
+  const Matrix<dim> k = touch.slip_share * by_slip + (by_gap + by_begin) * n.transpose();
+  const std::int32_t a = touch.node.first, b = touch.node.second;
+  K.add_block(a, a, k);
+  K.add_block(b, b, k);
+  K.add_block(a, b, -k);
+  K.add_block(b, a, -k);
+}
+
+template <int dim>
+void GroupContact<dim>::add_forces(std::span<const double> du, std::span<double> r,
+                                   BlockMatrix<dim>* K) {
+  Matrix<dim> slope;
+  for (Touch& touch : touches_) {
+    move(du, touch);
+    if (touch.gap >= 0) continue;
+    Vector<dim> gap = touch.frame.transpose() * touch.slip;
+    gap[0] = touch.gap;
+    touch.traction = law_of(touch).template traction<dim>(gap, K ? &slope : nullptr);
+    touch.force = touch.node.area * (touch.frame * touch.traction.t);
+    at<dim>(r, touch.node.second) += force_weight_ * touch.force;
+    at<dim>(r, touch.node.first) -= force_weight_ * touch.force;
+    if (K) add_stiffness(touch, slope, *K);
+  }
+  if (force_weight_ != 1) add_old_forces(1 - force_weight_, r);
+}
+
+template <int dim>
+void GroupContact<dim>::add_old_forces(double share, std::span<double> field) const {
+  const auto add = [&](std::int32_t first, std::int32_t second, const Vector<dim>& force) {
+    at<dim>(field, second) += share * force;
+    at<dim>(field, first) -= share * force;
+  };
+  for (const Touch& touch : touches_) add(touch.node.first, touch.node.second, touch.old_force);
+  for (const LeftForce& left : left_) add(left.first, left.second, left.force);
+}
+
+template <int dim>
+void GroupContact<dim>::add_step_force_change(std::span<double> f) const {
+  for (const Touch& touch : touches_) {
+    at<dim>(f, touch.node.second) += touch.force;
+    at<dim>(f, touch.node.first) -= touch.force;
+  }
+  add_old_forces(-1, f);
+}
+
+template class GroupContact<2>;
+template class GroupContact<3>;
+
+}  // namespace gabion::mpm

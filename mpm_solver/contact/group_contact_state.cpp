@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a contact between groups of bodies comes to, and its accepted state.
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "common/base/require.hpp"
+#include "mpm_solver/contact/group_contact.hpp"
+#include "mpm_solver/points/flat.hpp"
+
+namespace gabion::mpm {
+
+namespace {
+
+// What the groups and pairs of a run are, for its saved state.
+Json fact_of(const BodyGroups& groups) {
+  Json pairs = Json::array();
+  for (const GroupPair& pair : groups.pairs) pairs.push_back({pair.first, pair.second});
+  return {{"names", groups.names}, {"of_body", groups.of_body}, {"pairs", pairs}};
+}
+
+}  // namespace
+
+template <int dim>
+void GroupContact<dim>::begin_substeps() {
+  has_substeps_ = true;
+  normal_work_ = tangential_work_ = 0;
+  std::ranges::fill(resultants_, Vector<dim>::Zero());
+}
+
+template <int dim>
+void GroupContact<dim>::add_substep(std::span<const double> move, double share) {
+  const auto at = [&](std::int32_t i) {
+    return Eigen::Map<const Vector<dim>>(move.data() + std::ptrdiff_t{i} * dim);
+  };
+  for (const Touch& touch : touches_) {
+    const Vector<dim> way = at(touch.node.second) - at(touch.node.first);
+    const Vector<dim>& n = touch.node.n;
+    const double normal = n.dot(touch.force) * n.dot(way);
+    normal_work_ -= normal;
+    tangential_work_ -= touch.force.dot(way) - normal;
+    resultants_[touch.node.pair] += share * touch.force;
+  }
+}
+
+template <int dim>
+void GroupContact<dim>::add_stiffness_sums(std::span<double> sums) const {
+  for (const Touch& touch : touches_) {
+    if (touch.gap >= 0) continue;
+    const ContactLaw law = law_of(touch);
+    const double tangential = law.mode == ContactMode::contact ? law.tangential_penalty : 0;
+    const double k = touch.node.area * std::max(-2 * law.penalty * touch.gap, tangential);
+    sums[touch.node.first] += 2 * k;
+    sums[touch.node.second] += 2 * k;
+  }
+}
+
+template <int dim>
+double GroupContact<dim>::work_on_soil(std::span<const double>) const {
+  double work = 0;
+  for (const Touch& touch : touches_) work += touch.force.dot(touch.way);
+  return work;
+}
+
+template <int dim>
+ContactCounts GroupContact<dim>::counts(std::size_t pair) const {
+  ContactCounts counts;
+  for (const Touch& touch : touches_) {
+    if (touch.node.pair != static_cast<std::int32_t>(pair) || touch.gap >= 0) continue;
+    ++counts.closed;
+    counts.sliding += touch.traction.sliding ? 1 : 0;
+    counts.penetration = std::max(counts.penetration, -touch.gap);
+  }
+  return counts;
+}
+
+template <int dim>
+double GroupContact<dim>::approach_step(double dt, double margin) const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Touch& touch : touches_) {
+    const double closing = -touch.node.n.dot(touch.way);
+    if (touch.gap <= 0 || !(closing > 0)) continue;
+    smallest = std::min(smallest, dt * (touch.gap + margin) / closing);
+  }
+  return smallest;
+}
+
+template <int dim>
+void GroupContact<dim>::accept() {
+  std::vector<RememberedNode<dim>> nodes;
+  double work = 0, stored = 0, stored_slip = 0, slid = 0;
+  for (const Touch& touch : touches_) {
+    if (touch.gap >= 0) continue;
+    const ContactLaw law = law_of(touch);
+    const Vector<dim>& n = touch.node.n;
+    RememberedNode<dim> memory{.place = touch.node.place,
+                               .pair = touch.node.pair,
+                               .force = touch.force,
+                               .gap = touch.gap,
+                               .area = touch.node.area,
+                               .moved = touch.middle_way.norm()};
+    if (law.mode == ContactMode::contact) {
+      const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
+      memory.slip = -pull / (touch.node.area * law.tangential_penalty);
+      slid -= pull.dot(touch.slip - memory.slip);
+      stored_slip += 0.5 * touch.node.area * law.tangential_penalty * memory.slip.squaredNorm();
+    }
+    stored += touch.node.area * law.stored(-touch.gap);
+    work -= touch.force.dot(touch.way);
+    nodes.push_back(memory);
+  }
+  if (has_substeps_) {
+    work = normal_work_ + tangential_work_;
+    slid = tangential_work_ - (stored_slip - stored_slip_);
+  }
+  if (!has_substeps_) {
+    std::ranges::fill(resultants_, Vector<dim>::Zero());
+    for (const Touch& touch : touches_) resultants_[touch.node.pair] += touch.force;
+  }
+  accepted_ = resultants_;
+  energy_.add_step(work, stored + stored_slip, slid);
+  stored_slip_ = stored_slip;
+  memory_.replace(std::move(nodes));
+}
+
+template <int dim>
+bool GroupContact<dim>::drop(std::size_t, bool dropped) {
+  touches_.clear();
+  left_.clear();
+  if (!dropped) return true;
+  memory_.replace({});
+  std::ranges::fill(accepted_, Vector<dim>::Zero());
+  energy_.loss += energy_.stored;
+  energy_.stored = stored_slip_ = 0;
+  return true;
+}
+
+template <int dim>
+void GroupContact<dim>::visit_state(StateVisitor& visitor, const std::string& prefix) {
+  const Json own = fact_of(groups_);
+  Json found = own;
+  visitor.fact(prefix + "groups", found);
+  require(found == own, "saved state: found the contact groups {}, allowed: those of this run, {}",
+          found.dump(), own.dump());
+  memory_.visit_state(visitor, prefix, num_places_,
+                      static_cast<std::int32_t>(groups_.pairs.size()));
+  visitor.reals(prefix + "forces", flat(accepted_));
+  const std::pair<const char*, double*> energies[] = {{"stored", &energy_.stored},
+                                                      {"friction", &energy_.friction},
+                                                      {"loss", &energy_.loss},
+                                                      {"stored_slip", &stored_slip_}};
+  for (const auto& [name, value] : energies) visitor.share(prefix + name, *value);
+}
+
+template class GroupContact<2>;
+template class GroupContact<3>;
+
+}  // namespace gabion::mpm

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/mechanics/tensor.hpp"
+#include "common/run/state.hpp"
+
+namespace gabion::mpm {
+
+/// What is remembered of a contact node that was closed at the end of a step.
+template <int dim>
+struct RememberedNode {
+  std::int32_t place = 0, pair = 0;         ///< as of GroupNode
+  Vector<dim> force = Vector<dim>::Zero();  ///< of the step, on the second group [N]
+  Vector<dim> slip = Vector<dim>::Zero();   ///< elastic, of the second group along the first [m]
+  double gap = 0;                           ///< < 0 [m]
+  double area = 0;                          ///< [m^2]
+  double moved = 0;                         ///< how far the node's soil went in the step [m]
+};
+
+/// Those of a step, by place and pair.
+template <int dim>
+class GroupMemory {
+ public:
+  /// The node that was closed there, null: none.
+  const RememberedNode<dim>* find(std::int32_t place, std::int32_t pair) const;
+  /// @pre by place, then by pair
+  void replace(std::vector<RememberedNode<dim>> nodes) { nodes_ = std::move(nodes); }
+  const std::vector<RememberedNode<dim>>& nodes() const { return nodes_; }
+  /// @throws Error  not one of num_places or num_pairs, or not in order
+  void visit_state(StateVisitor& visitor, const std::string& prefix, std::int32_t num_places,
+                   std::int32_t num_pairs);
+
+ private:
+  std::vector<RememberedNode<dim>> nodes_;
+};
+
+}  // namespace gabion::mpm
