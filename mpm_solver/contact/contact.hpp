@@ -163,6 +163,7 @@ class Contact {
     }
   };
   virtual Resultant resultant(std::size_t member = 0) const = 0;
+  virtual std::size_t num_members() const { return 1; }
   /// Work on the soil in this step by the trapezoidal rule, from the forces of the accepted state
   /// and the present ones [J].
   virtual double work_on_soil(std::span<const double> du) const = 0;

@@ -65,6 +65,7 @@ class FacetContact final : public Contact<dim> {
 
   std::vector<double> forces_on_structure(std::size_t member = 0) const override;
   typename Contact<dim>::Resultant resultant(std::size_t member = 0) const override;
+  std::size_t num_members() const override { return members_.size(); }
   double work_on_soil(std::span<const double> du) const override;
   ContactCounts counts(std::size_t member = 0) const override;
   double approach_step(double dt, double margin) const override {

@@ -63,7 +63,9 @@ void add_contact_terms(const Equilibrium<dim>& equilibrium, Nodal du, StepBalanc
       for (std::size_t k = 0; k < du.size(); ++k) forces[k] -= f[k];
       continue;
     }
-    step.step_force -= contact->resultant().force;
+    for (std::size_t k = 0; k < contact->num_members(); ++k) {
+      step.step_force -= contact->resultant(k).force;
+    }
     std::fill(change.begin(), change.end(), 0.0);
     contact->add_step_force_change(change);
     for (std::size_t k = 0; k < du.size(); ++k) {

@@ -78,6 +78,27 @@ TEST(Ledger, momentum_where_the_floor_holds_what_a_contact_pulls) {
   }
 }
 
+/// Two surfaces that meet are one contact: each has its part of the momentum.
+TEST(Ledger, momentum_of_surfaces_that_meet) {
+  for (const Json& scheme : {trapezoid, bossak}) {
+    Json json = falling(2, "quad4", scheme, "flip");
+    json["walls"] = Json::array();
+    const auto add = [&](const char* name, double from, double to) {
+      json["rigid_walls"].push_back(
+          {{"name", name},
+           {"surface", {{"polyline", {{from, 0.015}, {to, 0.015}}}, {"spacing", 0.1}}},
+           {"friction", 0.3}});
+    };
+    add("right", 2, 0.75);
+    add("left", 0.75, -1);
+    const auto solver = make_mpm(json);
+    const double start = std::abs(probe(*solver, "momentum_y"));
+    run_steps(*solver, 0.01, 12);
+    EXPECT_GT(probe(*solver, "left.fy") * probe(*solver, "right.fy"), 0);
+    EXPECT_LT(momentum_error(*solver, 2), 1e-12 * start) << scheme;
+  }
+}
+
 /// Without walls and gravity the plate's force is all there is: p' - p = dt (F + F') / 2.
 TEST(Ledger, impulse_and_work_of_an_interface) {
   Json json = pushed();
