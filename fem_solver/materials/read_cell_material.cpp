@@ -7,13 +7,14 @@
 #include "common/base/log.hpp"
 #include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/materials/line_material.hpp"
+#include "fem_solver/materials/read_concrete.hpp"
 
 namespace gabion::fem {
 
 namespace {
 
 const std::vector<std::string> laws_of_cells = {"linear_elastic", "neo_hookean", "hencky_elastic",
-                                                "von_mises"};
+                                                "von_mises", "concrete"};
 const std::vector<std::string> yielding = {"von_mises"};
 
 std::vector<Key> yield_keys() {
@@ -51,6 +52,8 @@ KeyTable material_table(const std::string& name, const std::string& sentence) {
   table.keys.front() = key::choice("law", laws_of_cells, "Law of the stress.");
   const auto yield = yield_keys();
   table.keys.insert(table.keys.end(), yield.begin(), yield.end());
+  const auto concrete = concrete_keys();
+  table.keys.insert(table.keys.end(), concrete.begin(), concrete.end());
   table.keys.push_back(key::object("rayleigh", rayleigh_keys(),
                                    "Damping of its cells, K elastic, before loading; in a dynamic "
                                    "analysis, of coupled structures with the scheme `newmark`.")
@@ -193,6 +196,8 @@ CellMaterial<dim> read_cell_material(ConfigReader in, bool of_group) {
     material.law = NeoHookean<dim>{lambda, mu};
   } else if (material.law_name == "hencky_elastic") {
     material.law = HenckyElastic<dim>{lambda, mu};
+  } else if (material.law_name == "concrete") {
+    material.law = read_concrete<dim>(in, lambda, mu);
   } else {
     material.law = read_von_mises<dim>(in, lambda, mu);
   }

@@ -43,8 +43,9 @@ template <int dim>
 std::int64_t FemOutput<dim>::frame_bytes(const FemSettings<dim>& settings) {
   const Mesh<dim>& mesh = settings.mesh;
   const MeshRanks& ranks = settings.ranks;
-  const bool yields = std::ranges::any_of(
-      settings.materials, [](const auto& material) { return history_size<dim>(material.law) > 0; });
+  const bool yields = std::ranges::any_of(settings.materials, [](const auto& material) {
+    return std::holds_alternative<VonMises<dim>>(material.law);
+  });
   std::function<Values()> plastic_strain;
   if (yields) plastic_strain = [] { return Values(); };
   return XdmfSeries::frame_bytes(ranks.num_nodes_of_all(mesh), mesh.cell_type,

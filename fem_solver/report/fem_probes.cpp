@@ -167,7 +167,7 @@ FemProbes<dim>::FemProbes(const FemSettings<dim>& settings)
     if (support.report_reaction || support.report_moment) add_reaction(settings, support);
   }
   for (const auto& material : settings.materials) {
-    if (history_size<dim>(material.law) == 0) continue;
+    if (!std::holds_alternative<VonMises<dim>>(material.law)) continue;
     if (!yields_) names_.insert(names_.end(), {"plastic_work", "plastic_strain"});
     yields_ = true;
     if (!material.group.empty()) names_.push_back("plastic_strain_" + material.group);

@@ -335,6 +335,11 @@ bool CellIntegrals<dim>::yields() const {
   return std::ranges::any_of(blocks_, [](const auto& block) { return block.yields(); });
 }
 
+template <int dim>
+bool CellIntegrals<dim>::cracks() const {
+  return std::ranges::any_of(blocks_, [](const auto& block) { return block.cracks(); });
+}
+
 /// Call visit(place in a history, place in rows, number of values) for each cell and line.
 template <int dim>
 template <class Visit>

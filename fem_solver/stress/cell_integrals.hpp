@@ -75,6 +75,7 @@ class CellIntegrals {
   std::size_t history_size() const;   ///< number of values; those of the virgin state are 0
   std::size_t history_width() const;  ///< the largest of a cell
   bool yields() const;                ///< a block does
+  bool cracks() const;                ///< a block does
   std::span<const CellBlock<dim>> blocks() const { return blocks_; }
   std::span<const LineBlock<dim>> line_blocks() const { return line_blocks_; }
   /// The part of a history that is of this block.
