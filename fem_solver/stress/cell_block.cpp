@@ -16,6 +16,7 @@
 #include "fem_solver/stress/crack_bands.hpp"
 #include "fem_solver/stress/enhanced_cell.hpp"
 #include "fem_solver/stress/point_stiffness.hpp"
+#include "fem_solver/stress/point_update.hpp"
 
 namespace gabion::fem {
 
@@ -67,31 +68,6 @@ Matrix<dim> displacement_gradient(const Vector<dim>* dN, const Vector<dim>* u_ce
     for (int a = 0; a < nodes; ++a) H.noalias() += u_cell[a] * dN[a].transpose();
   }
   return H;
-}
-
-/// Concrete of a cell.
-template <int dim>
-struct ConcreteOfCell {
-  static constexpr int history_size = Concrete<dim>::history_size;
-  const Concrete<dim>& law;
-  const CrackBand<dim>& band;
-
-  bool update(const Matrix<dim>& H, std::span<const double> history_n, std::span<double> history,
-              StressUpdate<dim>& out, Tangent<dim>* A) const {
-    return law.update(band, H, history_n, history, out, A);
-  }
-};
-
-/// Stress update of a point, whichever kind of history the law has.
-template <int dim, class Law>
-bool update_point(const Law& law, const Matrix<dim>& H, HistoryStep history, StressUpdate<dim>& out,
-                  Tangent<dim>* A) {
-  if constexpr (LawWithHistory<Law>) {
-    return law.update(H, history.accepted, history.trial, out, A);
-  } else {
-    const MaterialState<dim> virgin;  // here, for the compiler to see that it is zero
-    return law.update(H, virgin, out, A);
-  }
 }
 
 }  // namespace
