@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write wall.msh: a wall on a footing, quadrilaterals in two groups of cells, and two layers of bars. Lengths in m."""
+"""Write wall.msh: a wall on a footing, quadrilaterals in two groups of cells, two layers of bars, links between them. Lengths in m."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ YS = [-0.5 + H * j for j in range(49)]  # the ground at 0, the crest at 2.5
 WALL = (16.0, 16.5)
 GROUPS = (
     (1, 1, "foot"), (1, 2, "front"), (1, 3, "crest"), (1, 4, "back"),
-    (1, 5, "bars_front"), (1, 6, "bars_back"), (2, 7, "wall"), (2, 8, "footing"),
+    (1, 5, "bars_front"), (1, 6, "bars_back"), (1, 7, "links"), (2, 8, "wall"), (2, 9, "footing"),
 )
 
 
@@ -35,6 +35,7 @@ def main() -> None:
         "back": upwards(last, ground, top),
         "bars_front": upwards(first + 1, 1, top - 1),
         "bars_back": upwards(last - 1, 1, top - 1),
+        "links": [((i, j), (i + 1, j)) for j in range(ground + 2, top, 4) for i in range(first + 1, last - 1)],
         "wall": quads(of_wall=True),
         "footing": quads(of_wall=False),
     }
@@ -50,8 +51,8 @@ def main() -> None:
             lines.append(" ".join(map(str, (number, *(tag[corner] for corner in element)))))
     Path(__file__).with_name("wall.msh").write_text(
         f"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n{len(GROUPS)}\n{names}\n$EndPhysicalNames\n"
-        f"$Entities\n0 6 2 0\n{entities}\n$EndEntities\n"
-        f"$Nodes\n1 {len(corners)} 1 {len(corners)}\n2 7 0 {len(corners)}\n{nodes}\n$EndNodes\n"
+        f"$Entities\n0 7 2 0\n{entities}\n$EndEntities\n"
+        f"$Nodes\n1 {len(corners)} 1 {len(corners)}\n2 8 0 {len(corners)}\n{nodes}\n$EndNodes\n"
         f"$Elements\n{len(GROUPS)} {number} 1 {number}\n" + "\n".join(lines) + "\n$EndElements\n", encoding="utf-8")
 
 
