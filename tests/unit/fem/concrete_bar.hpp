@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "common/base/error.hpp"
 #include "tests/support/gmsh_text.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
@@ -44,6 +49,29 @@ inline Json concrete(const std::string& group, double tensile_strength = 3e6) {
   material["crushing_energy"] = 54e3;
   if (!group.empty()) material["group"] = group;
   return material;
+}
+
+/// The n-th step of dt, cut as the program does where it is not solved.
+/// @returns  Newton's iterations, most of a part
+inline int advance(Solver& solver, int n, double dt) {
+  const double start = (n - 1) * dt;
+  double done = 0, part = dt;
+  int most = 0;
+  while (done < dt) {
+    const StepRequest request{n, 0, start + done, part};
+    InterfaceValues sent;
+    try {
+      most = std::max(most, solver.solve_step(request, {}, sent).newton_iterations);
+    } catch (const ConvergenceError&) {
+      if (part < dt / 1024) throw;
+      solver.reject_step();
+      part /= 2;
+      continue;
+    }
+    solver.accept_step(request, true);
+    done += part;
+  }
+  return most;
 }
 
 /// The strip is pulled by `elongation` in a second, its weak cell weaker by a tenth: at once with
