@@ -28,7 +28,8 @@ def draw(axes: plt.Axes, folder: Path, time: float) -> tuple:
         places = file["coordinates"][:, :2] + shift
         cells = file["connectivity"][:]
         widths = 1e3 * file["cell/crack_width"][:]
-    concrete = PolyCollection(places[cells], array=widths, cmap="Greys", edgecolors="0.8", linewidths=0.3, clim=(0, 0.5))
+    style = {"cmap": "Greys", "edgecolors": "0.8", "linewidths": 0.3, "clim": (0, 0.5)}
+    concrete = PolyCollection(places[cells], array=widths, **style)
     axes.add_collection(concrete)
     with frame(folder, "lines", time) as file:
         ends = file["coordinates"][:, :2]

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Write wall.msh: a wall on a footing, quadrilaterals in two groups of cells, two layers of bars, links between them. Lengths in m."""
+"""Write wall.msh: a wall on a footing, two groups of quadrilaterals, two layers of bars, links. Lengths in m."""
 
 from pathlib import Path
 

@@ -112,23 +112,90 @@ struct Part {
   bool grows = false;
 };
 
+/// What a part does in a step.
+struct Growth {
+  double limit = 0;       // of elasticity [Pa]
+  double equivalent = 0;  // stress [Pa]
+  double energy = 0;      // density of the part, without damage [J/m^3]
+  double new_band = 0;    // that it gets where it has none [m]
+};
+
+/// What the point remembers of a part.
+struct Memory {
+  double& r;
+  double& band;
+  double& dissipated;
+};
+
 /// Raise r to the equivalent stress where that is larger, with the band that it has or now gets,
-/// and add what the damage takes: the energy density of the part, on a way in proportion to r.
+/// and add what the damage takes, on a way in proportion to r.
 template <class Curve>
-Part grow(const Curve& curve, double limit, double equivalent, double energy, double new_band,
-          double& r, double& band, double& dissipated) {
+Part grow(const Curve& curve, const Growth& growth, Memory memory) {
   Part part;
-  const double r_n = std::max(r, limit);
-  part.grows = equivalent > r_n;
-  if (!part.grows && r == 0) return part;
-  if (band == 0) band = new_band;
-  r = std::max(r_n, equivalent);
-  part.damage = damage_at(curve.at(r, band), r, curve.modulus);
+  const double r_n = std::max(memory.r, growth.limit);
+  part.grows = growth.equivalent > r_n;
+  if (!part.grows && memory.r == 0) return part;
+  if (memory.band == 0) memory.band = growth.new_band;
+  memory.r = std::max(r_n, growth.equivalent);
+  part.damage = damage_at(curve.at(memory.r, memory.band), memory.r, curve.modulus);
   if (!part.grows) return part;
-  const double before = damage_at(curve.at(r_n, band), r_n, curve.modulus).dissipated;
-  const double of_bar = 0.5 * r * r / curve.modulus;
-  dissipated += energy / of_bar * (part.damage.dissipated - before);
+  const double before = damage_at(curve.at(r_n, memory.band), r_n, curve.modulus).dissipated;
+  const double of_bar = 0.5 * memory.r * memory.r / curve.modulus;
+  memory.dissipated += growth.energy / of_bar * (part.damage.dissipated - before);
   return part;
+}
+
+/// Both damages of a point at the end of a step.
+struct Damages {
+  Part plus, minus;
+};
+
+template <int dim>
+Damages find_damages(const ConcreteOfCell<dim>& cell, const ElasticStress<dim>& s,
+                     const Equivalents<dim>& equivalents, const Symmetric<dim>& E,
+                     std::span<double> history) {
+  const auto& [law, band] = cell;
+  const Growth crack{.limit = law.tension.strength,
+                     .equivalent = equivalents.tensile.value,
+                     .energy = 0.5 * contract<dim>(s.tensile, E),
+                     .new_band = std::min(band.width(s.axis(s.first)), law.crack_spacing)};
+  const Growth crush{.limit = law.crushing.elastic_limit,
+                     .equivalent = equivalents.compressive.value,
+                     .energy = 0.5 * contract<dim>(s.compressive, E),
+                     .new_band = band.width(s.axis(s.last))};
+  const Part plus = grow(law.tension, crack, {history[0], history[2], history[5]});
+  const Part minus = grow(law.crushing, crush, {history[1], history[3], history[5]});
+  return {plus, minus};
+}
+
+/// dT/dE
+template <int dim>
+StrainMatrix<dim> tangent(const Concrete<dim>& law, const ElasticStress<dim>& s,
+                          const Equivalents<dim>& equivalents, const Damages& damages) {
+  const double d_plus = damages.plus.damage.value, d_minus = damages.minus.damage.value;
+  const StrainMatrix<dim> unit = StrainMatrix<dim>::Identity();
+  const auto elastic = [&law](const Symmetric<dim>& g) {  // C : g on the dim axes
+    StrainVector<dim> v = 2 * law.mu * strain_vector<dim>(in_plane<dim>(g));
+    v.template head<dim>().array() += law.lambda * trace<dim>(g);
+    return v;
+  };
+  StrainMatrix<dim> C = 2 * law.mu * unit;
+  C.template topLeftCorner<dim, dim>().array() += law.lambda;
+  StrainMatrix<dim> D;
+  if (d_plus == d_minus) {
+    D = (1 - d_plus) * C;
+  } else {
+    D = ((d_minus - d_plus) * tensile_projector<dim>(s) + (1 - d_minus) * unit) * C;
+  }
+  if (damages.plus.grows) {
+    D -= damages.plus.damage.slope * strain_vector<dim>(in_plane<dim>(s.tensile)) *
+         elastic(equivalents.tensile.slope).transpose();
+  }
+  if (damages.minus.grows) {
+    D -= damages.minus.damage.slope * strain_vector<dim>(in_plane<dim>(s.compressive)) *
+         elastic(equivalents.compressive.slope).transpose();
+  }
+  return D;
 }
 
 /// Strain across the crack times its band, less the elastic strain of the stress there.
@@ -147,60 +214,33 @@ double crack_opening(const ElasticStress<dim>& s, double d_plus, double d_minus,
 }  // namespace
 
 template <int dim>
-void Concrete<dim>::log_stress(const CrackBand<dim>& band, const Symmetric<dim>& E,
-                               std::span<const double> history_n, std::span<double> history,
-                               LogStress<dim>& out) const {
+void ConcreteOfCell<dim>::log_stress(const Symmetric<dim>& E, std::span<const double> history_n,
+                                     std::span<double> history, LogStress<dim>& out) const {
   std::ranges::copy(history_n, history.begin());
+  const double lambda = law.lambda, mu = law.mu;
   Symmetric<dim> stress = 2 * mu * E;
   stress.template head<3>().array() += lambda * trace<dim>(E);
   const ElasticStress<dim> s(stress);
-  const Equivalents<dim> equivalents(*this, stress, s);
-  const double crack_band = std::min(band.width(s.axis(s.first)), crack_spacing);
-  const Part plus =
-      grow(tension, tension.strength, equivalents.tensile.value, 0.5 * contract<dim>(s.tensile, E),
-           crack_band, history[0], history[2], history[5]);
-  const Part minus = grow(crushing, crushing.elastic_limit, equivalents.compressive.value,
-                          0.5 * contract<dim>(s.compressive, E), band.width(s.axis(s.last)),
-                          history[1], history[3], history[5]);
-  const double d_plus = plus.damage.value, d_minus = minus.damage.value;
+  const Equivalents<dim> equivalents(law, stress, s);
+  const Damages damages = find_damages(*this, s, equivalents, E, history);
+  const double d_plus = damages.plus.damage.value, d_minus = damages.minus.damage.value;
   out.T = (1 - d_plus) * s.tensile + (1 - d_minus) * s.compressive;
   out.energy = 0.5 * contract<dim>(out.T, E);
+  out.D = tangent(law, s, equivalents, damages);
   const double poisson = lambda / (2 * (lambda + mu));
   history[4] = d_plus > 0 && s.largest() > 0
-                   ? history[2] * crack_opening(s, d_plus, d_minus, tension.modulus, poisson)
+                   ? history[2] * crack_opening(s, d_plus, d_minus, law.tension.modulus, poisson)
                    : 0;
-
-  const StrainMatrix<dim> unit = StrainMatrix<dim>::Identity();
-  const auto elastic = [this](const Symmetric<dim>& g) {  // C : g on the dim axes
-    StrainVector<dim> v = 2 * mu * strain_vector<dim>(in_plane<dim>(g));
-    v.template head<dim>().array() += lambda * trace<dim>(g);
-    return v;
-  };
-  StrainMatrix<dim> C = 2 * mu * unit;
-  C.template topLeftCorner<dim, dim>().array() += lambda;
-  if (d_plus == d_minus) {
-    out.D = (1 - d_plus) * C;
-  } else {
-    out.D = ((d_minus - d_plus) * tensile_projector<dim>(s) + (1 - d_minus) * unit) * C;
-  }
-  if (plus.grows) {
-    out.D -= plus.damage.slope * strain_vector<dim>(in_plane<dim>(s.tensile)) *
-             elastic(equivalents.tensile.slope).transpose();
-  }
-  if (minus.grows) {
-    out.D -= minus.damage.slope * strain_vector<dim>(in_plane<dim>(s.compressive)) *
-             elastic(equivalents.compressive.slope).transpose();
-  }
 }
 
 template <int dim>
-bool Concrete<dim>::update(const CrackBand<dim>& band, const Matrix<dim>& H,
-                           std::span<const double> history_n, std::span<double> history,
-                           StressUpdate<dim>& out, Tangent<dim>* A) const {
+bool ConcreteOfCell<dim>::update(const Matrix<dim>& H, std::span<const double> history_n,
+                                 std::span<double> history, StressUpdate<dim>& out,
+                                 Tangent<dim>* A) const {
   return update_by_log_stress<dim>(
       H,
       [&](const Symmetric<dim>& E, LogStress<dim>& stress) {
-        log_stress(band, E, history_n, history, stress);
+        log_stress(E, history_n, history, stress);
       },
       out, A);
 }
@@ -219,5 +259,7 @@ double Concrete<dim>::compressive_damage(std::span<const double> history) const 
 
 template struct Concrete<2>;
 template struct Concrete<3>;
+template struct ConcreteOfCell<2>;
+template struct ConcreteOfCell<3>;
 
 }  // namespace gabion::fem

@@ -37,16 +37,6 @@ struct Concrete {
   std::string where_fracture;  ///< place of the fracture energy in the config, for errors
   std::string where_crushing;  ///< of the crushing energy
 
-  /// See ConstitutiveLaw; H and the stress P refer to the stress-free configuration.
-  /// @param history_n  accepted, history_size
-  /// @param history    at the end of the step, history_size
-  bool update(const CrackBand<dim>& band, const Matrix<dim>& H, std::span<const double> history_n,
-              std::span<double> history, StressUpdate<dim>& out, Tangent<dim>* A) const;
-  /// T and its derivative at the logarithmic strain E; histories as above.
-  void log_stress(const CrackBand<dim>& band, const Symmetric<dim>& E,
-                  std::span<const double> history_n, std::span<double> history,
-                  LogStress<dim>& out) const;
-
   bool symmetric_tangent() const { return false; }
   double p_wave_modulus() const { return lambda + 2 * mu; }
   double shear_modulus() const { return mu; }
@@ -56,6 +46,24 @@ struct Concrete {
   double compressive_damage(std::span<const double> history) const;
   static double crack_width(std::span<const double> history) { return history[4]; }  ///< [m]
   static double damage_work(std::span<const double> history) { return history[5]; }  ///< [J/m^3]
+};
+
+/// The law in a cell, whose bands its cracks have. Refers to both.
+template <int dim>
+struct ConcreteOfCell {
+  static constexpr int history_size = Concrete<dim>::history_size;
+
+  const Concrete<dim>& law;
+  const CrackBand<dim>& band;
+
+  /// See ConstitutiveLaw; H and the stress P refer to the stress-free configuration.
+  /// @param history_n  accepted, history_size
+  /// @param history    at the end of the step, history_size
+  bool update(const Matrix<dim>& H, std::span<const double> history_n, std::span<double> history,
+              StressUpdate<dim>& out, Tangent<dim>* A) const;
+  /// T and its derivative at the logarithmic strain E; histories as above.
+  void log_stress(const Symmetric<dim>& E, std::span<const double> history_n,
+                  std::span<double> history, LogStress<dim>& out) const;
 };
 
 }  // namespace gabion::fem

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <variant>
 
 #include "common/base/require.hpp"
@@ -33,21 +34,22 @@ CrackBand<dim> band_of(const Mesh<dim>& mesh, std::int32_t c) {
 }
 
 struct Limit {
-  double widest;  // [m]
-  double energy;  // [J/m^2]
-  const char* formula;
+  double widest;        // [m]
+  double energy;        // [J/m^2]
+  const char* formula;  // of the widest
+  const std::string& where;
 };
 
 template <int dim>
 void check_width(const Mesh<dim>& mesh, const MeshRanks& ranks, std::int32_t c, double width,
-                 const Limit& limit, const std::string& where) {
+                 const Limit& limit) {
   require<ConfigError>(width < limit.widest, [&] {
     const Vector<dim>& x = mesh.nodes[mesh.cell(c)[0]];
     return fmt::format(
         "{}: found {:.6g} J/m^2 with cell {} near ({:.6g}), {:.6g} m wide; allowed: cells below "
         "{:.6g} m ({}), or more than {:.6g} J/m^2",
-        where, limit.energy, ranks.cell_of_all(c), fmt::join(x.data(), x.data() + dim, ", "), width,
-        limit.widest, limit.formula, limit.energy * width / limit.widest);
+        limit.where, limit.energy, ranks.cell_of_all(c), fmt::join(x.data(), x.data() + dim, ", "),
+        width, limit.widest, limit.formula, limit.energy * width / limit.widest);
   });
 }
 
@@ -76,13 +78,13 @@ std::vector<CrackBand<dim>> crack_bands(const Mesh<dim>& mesh, const CellMateria
     check_width(mesh, ranks, c, std::min(width, law->crack_spacing),
                 {.widest = law->tension.widest_band(),
                  .energy = law->tension.fracture_energy,
-                 .formula = "2 E fracture_energy / tensile_strength^2"},
-                law->where_fracture);
+                 .formula = "2 E fracture_energy / tensile_strength^2",
+                 .where = law->where_fracture});
     check_width(mesh, ranks, c, width,
                 {.widest = law->crushing.widest_band(),
                  .energy = law->crushing.crushing_energy,
-                 .formula = "E crushing_energy / compressive_strength^2"},
-                law->where_crushing);
+                 .formula = "E crushing_energy / compressive_strength^2",
+                 .where = law->where_crushing});
   }
   return bands;
 }

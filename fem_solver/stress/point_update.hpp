@@ -6,19 +6,6 @@
 
 namespace gabion::fem {
 
-/// Concrete of a cell.
-template <int dim>
-struct ConcreteOfCell {
-  static constexpr int history_size = Concrete<dim>::history_size;
-  const Concrete<dim>& law;
-  const CrackBand<dim>& band;
-
-  bool update(const Matrix<dim>& H, std::span<const double> history_n, std::span<double> history,
-              StressUpdate<dim>& out, Tangent<dim>* A) const {
-    return law.update(band, H, history_n, history, out, A);
-  }
-};
-
 /// Stress update of a point, whichever kind of history the law has.
 template <int dim, class Law>
 bool update_point(const Law& law, const Matrix<dim>& H, HistoryStep history, StressUpdate<dim>& out,

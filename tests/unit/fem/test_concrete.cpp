@@ -36,16 +36,17 @@ struct Point {
                     .strain_at_strength = 2.2e-3,
                     .crushing_energy = crushing_energy};
   }
+  fem::ConcreteOfCell<dim> here() const { return {law, band}; }
   StressUpdate<dim> at(const Matrix<dim>& H, Tangent<dim>* A = nullptr) const {
     std::vector<double> unused(history);
     StressUpdate<dim> out;
-    EXPECT_TRUE(law.update(band, H, history, unused, out, A));
+    EXPECT_TRUE(here().update(H, history, unused, out, A));
     return out;
   }
   void accept(const Matrix<dim>& H) {
     std::vector<double> next(history);
     StressUpdate<dim> out;
-    ASSERT_TRUE(law.update(band, H, history, next, out, nullptr));
+    ASSERT_TRUE(here().update(H, history, next, out, nullptr));
     history = next;
   }
   /// T at principal logarithmic strains, which become the accepted state.
@@ -54,7 +55,7 @@ struct Point {
     strain.template head<3>() = strains;
     fem::LogStress<dim> stress;
     std::vector<double> next(history);
-    law.log_stress(band, strain, history, next, stress);
+    here().log_stress(strain, history, next, stress);
     history = next;
     return stress.T;
   }
@@ -223,8 +224,7 @@ TEST(Concrete, folded_states_are_inadmissible) {
   const Point<2> point;
   std::vector<double> next(point.history);
   StressUpdate<2> out;
-  EXPECT_FALSE(
-      point.law.update(point.band, Matrix<2>{{-2, 0}, {0, 0}}, point.history, next, out, nullptr));
+  EXPECT_FALSE(point.here().update(Matrix<2>{{-2, 0}, {0, 0}}, point.history, next, out, nullptr));
 }
 
 }  // namespace
