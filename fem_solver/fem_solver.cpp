@@ -8,6 +8,7 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/petsc/numbered_values.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "fem_solver/report/widest_crack.hpp"
 
 namespace gabion::fem {
 
@@ -51,11 +52,17 @@ AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved
   if (solved) {
     require(trial_.has_value(), "step {}: accepted without a solution", request.step);
     step_.complete(state_, request.dt, *trial_);
+    const WidestCrack earlier = state_.widest_crack;
     state_ = std::move(*trial_);
+    state_.widest_crack = earlier;
     const Equilibrium<dim>& equilibrium = step_.equilibrium();
     const bool small_strain = std::ranges::any_of(settings_.materials, [](const auto& material) {
       return std::holds_alternative<LinearElastic<dim>>(material.law);
     });
+    if (equilibrium.cracks()) {
+      state_.widest_crack =
+          wider_crack(settings_, equilibrium.cells(), state_, request.time + request.dt, earlier);
+    }
     if (small_strain) {
       const double angle = equilibrium.cells().largest_rotation(state_.motion.u);
       rotation_.look(equilibrium.shared().largest(angle), "structure");
@@ -74,6 +81,15 @@ void FemSolver<dim>::reject_step() {
 }
 
 template <int dim>
+Json FemSolver<dim>::summary() const {
+  Json summary = report_.summary();
+  if (step_.equilibrium().cracks()) {
+    summary["widest_crack"] = describe(state_.widest_crack, dim);
+  }
+  return summary;
+}
+
+template <int dim>
 State FemSolver<dim>::save_state() {
   const MeshRanks& ranks = settings_.ranks;
   // A matrix of cells with history depends on their history at the time: the step after a saved
@@ -88,6 +104,7 @@ State FemSolver<dim>::save_state() {
   StateWriter writer(state);
   own.visit_state(writer, nodes);
   if (step_.equilibrium().damped()) own.visit_damping(writer);
+  if (step_.equilibrium().cracks()) own.visit_damage(writer);
   if (own.history) {
     const CellIntegrals<dim>& cells = step_.equilibrium().cells();
     HistoryRows rows{.cells = ranks.own_elements(settings_.mesh),
@@ -115,6 +132,7 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
     StateJoiner joiner(first, own);
     loaded.visit_state(joiner, nodes);
     if (step_.equilibrium().damped()) loaded.visit_damping(joiner);
+    if (step_.equilibrium().cracks()) loaded.visit_damage(joiner);
     if (state_.history) loaded.visit_history(joiner, history);
     for (const auto& [name, values] : loaded.nodal_vectors()) {
       require(values->size() == nodes.size() * dim,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/mechanics/materials/material.hpp"
+#include "fem_solver/materials/concrete.hpp"
 #include "fem_solver/materials/rayleigh.hpp"
 #include "fem_solver/materials/von_mises.hpp"
 
@@ -13,8 +14,8 @@ namespace gabion::fem {
 
 /// Laws of cells: the elastic ones of common/mechanics, and those whose history lies on fixed axes.
 template <int dim>
-using CellLaw =
-    std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>, VonMises<dim>>;
+using CellLaw = std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>, VonMises<dim>,
+                             Concrete<dim>>;
 
 /// A law that updates a history of its own.
 template <class Law>

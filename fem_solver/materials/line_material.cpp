@@ -3,14 +3,17 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
 #include "common/base/log.hpp"
+#include "common/mechanics/materials/yield_tolerance.hpp"
+#include "fem_solver/materials/read_hardening.hpp"
 
 namespace gabion::fem {
 
-const std::vector<std::string> line_laws = {"truss", "cable", "brake"};
+const std::vector<std::string> line_laws = {"truss", "cable", "brake", "bar"};
 
 LineResponse respond(const LineMaterial& material, double stress_free_length, double length,
                      double run) {
@@ -30,6 +33,49 @@ LineResponse respond(const LineMaterial& material, double stress_free_length, do
   response.force = k * elastic;
   response.energy = 0.5 * k * elastic * elastic;
   return response;
+}
+
+namespace {
+
+/// A bar: backward Euler from its accepted plastic strain, and the sum of its size.
+LineResponse respond_of_bar(const LineMaterial& bar, double stress_free_length, double length,
+                            std::span<const double> history_n, std::span<double> history) {
+  const double E = bar.young_modulus, H_k = bar.kinematic_modulus;
+  const double strain = (length - stress_free_length) / stress_free_length;
+  double plastic = history_n[0], p = history_n[1], tangent = E;
+  const double excess = E * (strain - plastic) - H_k * plastic;
+  const double yield_stress = bar.hardening->yield_stress(p);
+  const double size = E * (std::abs(strain) + std::abs(plastic));
+  if (std::abs(excess) - yield_stress > yield_tolerance * (size + yield_stress)) {
+    const PlasticFlow flow = bar.hardening->flow(std::abs(excess), p, E + H_k);
+    plastic += std::copysign(flow.strain, excess);
+    p += flow.strain;
+    tangent = E * (1 - E / (E + H_k + flow.slope));
+  }
+  history[0] = plastic;
+  history[1] = p;
+  const double stress = E * (strain - plastic);
+  return {.force = bar.area * stress,
+          .slope = bar.area * tangent / stress_free_length,
+          .energy = 0.5 * bar.area * stress_free_length * stress * (strain - plastic),
+          .run = 0};
+}
+
+}  // namespace
+
+LineResponse respond(const LineMaterial& material, double stress_free_length, double length,
+                     std::span<const double> history_n, std::span<double> history) {
+  if (material.hardening) {
+    return respond_of_bar(material, stress_free_length, length, history_n, history);
+  }
+  const double run = material.brake ? history_n[0] : 0;
+  const LineResponse response = respond(material, stress_free_length, length, run);
+  if (material.brake) history[0] = response.run;
+  return response;
+}
+
+double plastic_work(const LineMaterial& bar, std::span<const double> history) {
+  return bar.hardening->work(history[1]) + 0.5 * bar.kinematic_modulus * history[0] * history[0];
 }
 
 std::vector<Key> line_keys() {
@@ -109,7 +155,12 @@ LineMaterial read_line_material(ConfigReader in) {
   material.young_modulus = in.number("young_modulus");
   material.area = in.number("area");
   material.length_ratio = read_length_ratio(in, material.stiffness());
-  material.in_compression = material.law_name == "truss";
+  material.in_compression = material.law_name == "truss" || material.law_name == "bar";
+  if (material.law_name == "bar") {
+    material.hardening = read_hardening(in);
+    material.kinematic_modulus = in.number("kinematic_modulus");
+    check_yield(in, *material.hardening, material.young_modulus, material.kinematic_modulus);
+  }
   if (material.law_name == "brake") {
     material.brake = read_brake(in);
     if (in.has("pretension") && in.number("pretension") > material.brake->force(0)) {

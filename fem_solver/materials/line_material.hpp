@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "common/settings/config_reader.hpp"
 #include "fem_solver/materials/brake.hpp"
 #include "fem_solver/materials/cell_material.hpp"
+#include "fem_solver/materials/hardening.hpp"
 
 namespace gabion::fem {
 
@@ -23,8 +25,12 @@ struct LineMaterial {
   double length_ratio = 1;      ///< stress-free length over the length in the mesh
   bool in_compression = false;  ///< false: slack where it is shorter than stress-free
   std::optional<Brake> brake;   ///< in line with each cell of the group
+  std::optional<Hardening> hardening;  ///< of a bar that yields, stress over strain of L0
+  double kinematic_modulus = 0;        ///< of the bar [Pa]
 
   double stiffness() const { return young_modulus * area; }  ///< E A [N]
+  /// Numbers that a line remembers: the run of its brake; plastic strain and its sum of a bar.
+  std::size_t history_size() const { return brake ? 1 : hardening ? 2 : 0; }
 };
 
 /// What a line cell answers to its length.
@@ -41,7 +47,16 @@ struct LineResponse {
 LineResponse respond(const LineMaterial& material, double stress_free_length, double length,
                      double run);
 
-/// Laws of lines: truss, cable, brake.
+/// The same of a line of any law.
+/// @param history_n  accepted, history_size()
+/// @param history    at the end of the step
+LineResponse respond(const LineMaterial& material, double stress_free_length, double length,
+                     std::span<const double> history_n, std::span<double> history);
+
+/// Work of yielding of a bar, per volume [J/m^3].
+double plastic_work(const LineMaterial& bar, std::span<const double> history);
+
+/// Laws of lines: truss, cable, brake, bar.
 extern const std::vector<std::string> line_laws;
 
 /// Keys beside group, law, density and young_modulus.

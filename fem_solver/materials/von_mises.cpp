@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/mechanics/materials/yield_tolerance.hpp"
+#include "fem_solver/materials/log_law.hpp"
 
 namespace gabion::fem {
 
@@ -79,21 +80,12 @@ template <int dim>
 bool VonMises<dim>::update(const Matrix<dim>& H, std::span<const double> history_n,
                            std::span<double> history, StressUpdate<dim>& out,
                            Tangent<dim>* A) const {
-  out.J = 1 + determinant_minus_one<dim>(H);
-  if (!(out.J > 0)) return false;
-  LogStrain<dim> strain;
-  if (!find_log_strain<dim>(twice_green_strain<dim>(H), strain)) return false;
-  LogStress<dim> stress;
-  log_stress(strain.E, history_n, history, stress);
-  const GreenStress<dim> green =
-      turned_to_green<dim>(strain, log_by_green<dim>(strain), stress, A != nullptr);
-  const Matrix<dim> F = Matrix<dim>::Identity() + H;
-  out.P.noalias() = F * strain_tensor<dim>(green.S);
-  out.tau = symmetric<dim>(out.P * F.transpose());
-  if constexpr (dim == 2) out.tau[2] = stress.T[2];
-  out.energy = stress.energy;
-  if (A) first_tangent<dim>(F, green, *A);
-  return true;
+  return update_by_log_stress<dim>(
+      H,
+      [&](const Symmetric<dim>& E, LogStress<dim>& stress) {
+        log_stress(E, history_n, history, stress);
+      },
+      out, A);
 }
 
 template struct VonMises<2>;

@@ -7,12 +7,14 @@
 #include <utility>
 
 #include "common/mechanics/output/numbered_rows.hpp"
+#include "fem_solver/stress/cell_damage.hpp"
 
 namespace gabion::fem {
 
 namespace {
 
 using Values = std::vector<double>;
+using Damages = std::vector<CellDamage>;
 
 OutputField field(std::string name, int components, std::function<Values()> make) {
   return {.name = std::move(name), .components = components, .make = std::move(make)};
@@ -22,7 +24,8 @@ OutputField field(std::string name, int components, std::function<Values()> make
 template <int dim>
 std::vector<OutputField> frame_fields(const StructureState& state,
                                       const std::function<Values()>& stress,
-                                      const std::function<Values()>& plastic_strain) {
+                                      const std::function<Values()>& plastic_strain,
+                                      const std::function<Damages()>& damages) {
   const auto forces = [&state] {
     Values values = state.f_ext;
     for (std::size_t i = 0; i < values.size(); ++i) values[i] += state.f_step[i];
@@ -33,6 +36,18 @@ std::vector<OutputField> frame_fields(const StructureState& state,
       field("velocity", dim, [&state] { return state.motion.v; }),
       field("external_force", dim, forces), field("stress", symmetric_size<dim>, stress)};
   if (plastic_strain) fields.push_back(field("plastic_strain", 1, plastic_strain));
+  if (damages) {
+    const auto part = [damages](double CellDamage::*member) {
+      return [damages, member] {
+        Values values;
+        for (const CellDamage& cell : damages()) values.push_back(cell.*member);
+        return values;
+      };
+    };
+    fields.push_back(field("tensile_damage", 1, part(&CellDamage::tensile)));
+    fields.push_back(field("compressive_damage", 1, part(&CellDamage::compressive)));
+    fields.push_back(field("crack_width", 1, part(&CellDamage::crack_width)));
+  }
   for (std::size_t i = 3; i < fields.size(); ++i) fields[i].on_cells = true;
   return fields;
 }
@@ -43,13 +58,16 @@ template <int dim>
 std::int64_t FemOutput<dim>::frame_bytes(const FemSettings<dim>& settings) {
   const Mesh<dim>& mesh = settings.mesh;
   const MeshRanks& ranks = settings.ranks;
-  const bool yields = std::ranges::any_of(
-      settings.materials, [](const auto& material) { return history_size<dim>(material.law) > 0; });
   std::function<Values()> plastic_strain;
-  if (yields) plastic_strain = [] { return Values(); };
+  std::function<Damages()> damages;
+  for (const CellMaterial<dim>& material : settings.materials) {
+    if (std::holds_alternative<VonMises<dim>>(material.law))
+      plastic_strain = [] { return Values(); };
+    if (std::holds_alternative<Concrete<dim>>(material.law)) damages = [] { return Damages(); };
+  }
   return XdmfSeries::frame_bytes(ranks.num_nodes_of_all(mesh), mesh.cell_type,
                                  ranks.num_cells_of_all(mesh),
-                                 frame_fields<dim>({}, {}, plastic_strain));
+                                 frame_fields<dim>({}, {}, plastic_strain, damages));
 }
 
 template <int dim>
@@ -72,8 +90,11 @@ void FemOutput<dim>::write(double time, const StructureState& state,
   if (integrals.yields()) {
     plastic_strain = [&] { return integrals.cell_plastic_strains(history); };
   }
+  std::function<Damages()> damages;
+  if (integrals.cracks()) damages = [&] { return cell_damage(integrals, history); };
   auto fields = frame_fields<dim>(
-      state, [&] { return integrals.cell_stresses(state.motion.u, history); }, plastic_strain);
+      state, [&] { return integrals.cell_stresses(state.motion.u, history); }, plastic_strain,
+      damages);
   for (OutputField& field : fields) {
     field.make = [&, own = std::move(field.make), width = field.components,
                   on_cells = field.on_cells] {

@@ -14,6 +14,7 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
+#include "fem_solver/stress/cell_damage.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
 namespace gabion::fem {
@@ -166,20 +167,43 @@ FemProbes<dim>::FemProbes(const FemSettings<dim>& settings)
   for (const auto& support : settings.supports) {
     if (support.report_reaction || support.report_moment) add_reaction(settings, support);
   }
-  for (const auto& material : settings.materials) {
-    if (history_size<dim>(material.law) == 0) continue;
-    if (!yields_) names_.insert(names_.end(), {"plastic_work", "plastic_strain"});
-    yields_ = true;
-    if (!material.group.empty()) names_.push_back("plastic_strain_" + material.group);
-  }
+  name_yielding(settings);
   for (const LineMaterial& material : settings.line_materials) {
     names_.insert(names_.end(), {"axial_max_" + material.group, "axial_min_" + material.group});
+    if (material.hardening) {
+      names_.insert(names_.end(), {"stress_max_" + material.group, "stress_min_" + material.group});
+    }
     if (!material.brake) continue;
     brakes_ = true;
     names_.push_back("brake_run_" + material.group);
   }
   if (brakes_) names_.push_back("brake_work");
   if (is_damped(settings)) names_.push_back("damping_work");
+  bool cracks = false;
+  for (const auto& material : settings.materials) {
+    if (!std::holds_alternative<Concrete<dim>>(material.law)) continue;
+    if (!cracks) names_.insert(names_.end(), {"damage_work", "crack_width"});
+    cracks = true;
+    if (!material.group.empty()) names_.push_back("crack_width_" + material.group);
+  }
+}
+
+/// Names of what add_plastic() adds.
+template <int dim>
+void FemProbes<dim>::name_yielding(const FemSettings<dim>& settings) {
+  std::vector<std::string> groups;
+  for (const auto& material : settings.materials) {
+    if (!std::holds_alternative<VonMises<dim>>(material.law)) continue;
+    yields_ = true;
+    if (!material.group.empty()) groups.push_back(material.group);
+  }
+  for (const LineMaterial& material : settings.line_materials) {
+    if (!material.hardening) continue;
+    yields_ = true;
+    groups.push_back(material.group);
+  }
+  if (yields_) names_.insert(names_.end(), {"plastic_work", "plastic_strain"});
+  for (const std::string& group : groups) names_.push_back("plastic_strain_" + group);
 }
 
 template <int dim>
@@ -238,7 +262,39 @@ void FemProbes<dim>::add_plastic(const StructureState& state, const CellIntegral
     largest = std::max(largest, of_block);
     if (!block.material().group.empty()) of_groups.push_back(of_block);
   }
+  for (std::size_t b = 0; b < cells.line_blocks().size(); ++b) {
+    const LineBlock<dim>& block = cells.line_blocks()[b];
+    if (!block.yields()) continue;
+    double own = 0;
+    for (const double strain : block.plastic_strains(cells.of_line_block(*state.history, b))) {
+      own = std::max(own, strain);
+    }
+    of_groups.push_back(ranks_.shared().largest(own));
+    largest = std::max(largest, of_groups.back());
+  }
   values.insert(values.end(), {state.plastic_work, largest});
+  values.insert(values.end(), of_groups.begin(), of_groups.end());
+}
+
+/// Energy, the widest crack of all cells, then of each group.
+template <int dim>
+void FemProbes<dim>::add_damage(const StructureState& state, const CellIntegrals<dim>& cells,
+                                std::vector<double>& values) const {
+  if (!cells.cracks()) return;
+  std::vector<double> of_groups;
+  double widest = 0;
+  for (std::size_t b = 0; b < cells.blocks().size(); ++b) {
+    const CellBlock<dim>& block = cells.blocks()[b];
+    if (!block.cracks()) continue;
+    double own = 0;
+    for (const CellDamage& cell : block_damage(block, cells.of_block(*state.history, b))) {
+      own = std::max(own, cell.crack_width);
+    }
+    const double of_block = ranks_.shared().largest(own);
+    widest = std::max(widest, of_block);
+    if (!block.material().group.empty()) of_groups.push_back(of_block);
+  }
+  values.insert(values.end(), {state.damage_work, widest});
   values.insert(values.end(), of_groups.begin(), of_groups.end());
 }
 
@@ -260,6 +316,10 @@ void FemProbes<dim>::add_lines(const StructureState& state, const CellIntegrals<
     for (const double each : own) run = std::max(run, each);
     values.push_back(ranks_.shared().largest(largest));
     values.push_back(-ranks_.shared().largest(minus_least));
+    if (block.yields()) {
+      const double area = block.material().area;
+      values.insert(values.end(), {values[values.size() - 2] / area, values.back() / area});
+    }
     if (block.material().brake) values.push_back(ranks_.shared().largest(run));
   }
   if (brakes_) values.push_back(state.brake_work);
@@ -300,6 +360,7 @@ std::vector<double> FemProbes<dim>::values(const StructureState& state,
   add_plastic(state, equilibrium.cells(), result);
   add_lines(state, equilibrium.cells(), result);
   if (equilibrium.damped()) result.push_back(state.damping_work);
+  add_damage(state, equilibrium.cells(), result);
   return result;
 }
 

@@ -17,7 +17,9 @@ namespace gabion::fem {
 /// where cells may yield, plastic_work [J] and the largest plastic strain of a point, of all cells
 /// and of each group; of each group of lines the largest and the least force, axial_max_<group> and
 /// axial_min_<group> [N], and what brakes ran at most, brake_run_<group> [m]; brake_work [J];
-/// damping_work [J] where there is damping.
+/// stress_max_<group> and
+/// stress_min_<group> [Pa] of bars; damping_work [J] where there is damping; damage_work [J] and
+/// the widest crack of all cells and of each group [m] where cells may crack.
 template <int dim>
 class FemProbes {
  public:
@@ -46,6 +48,8 @@ class FemProbes {
                   std::vector<double>& values) const;
   void add_plastic(const StructureState& state, const CellIntegrals<dim>& cells,
                    std::vector<double>& values) const;
+  void add_damage(const StructureState& state, const CellIntegrals<dim>& cells,
+                  std::vector<double>& values) const;
   void add_lines(const StructureState& state, const CellIntegrals<dim>& cells,
                  std::vector<double>& values) const;
   static Point locate(const FemSettings<dim>& settings, const ProbeSettings<dim>& probe);
@@ -55,6 +59,7 @@ class FemProbes {
   std::vector<std::string> names_;
   std::vector<Point> points_;
   std::vector<Reaction> reactions_;
+  void name_yielding(const FemSettings<dim>& settings);
   bool yields_ = false;
   bool brakes_ = false;  // there are some
 };

@@ -2,12 +2,16 @@
 #include "fem_solver/report/line_output.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <numeric>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "common/mechanics/output/numbered_rows.hpp"
+#include "fem_solver/stress/bar_values.hpp"
 
 namespace gabion::fem {
 
@@ -23,9 +27,20 @@ bool has_brakes(const FemSettings<dim>& settings) {
 }
 
 template <int dim>
+bool has_bars(const FemSettings<dim>& settings) {
+  return std::ranges::any_of(settings.line_materials, [](const LineMaterial& material) {
+    return material.hardening.has_value();
+  });
+}
+
+template <int dim>
 std::vector<OutputField> line_fields(const FemSettings<dim>& settings) {
   std::vector<OutputField> fields = {{.name = "axial_force", .on_cells = true}};
   if (has_brakes(settings)) fields.push_back({.name = "brake_run", .on_cells = true});
+  if (has_bars(settings)) {
+    fields.push_back({.name = "axial_stress", .on_cells = true});
+    fields.push_back({.name = "plastic_strain", .on_cells = true});
+  }
   return fields;
 }
 
@@ -66,9 +81,13 @@ void LineOutput<dim>::write(double time, const StructureState& state,
   ends = rows.gather_rows(std::move(ends), 2);
   const CellIntegrals<dim>& cells = equilibrium.cells();
   auto fields = line_fields<dim>(settings_);
-  fields[0].make = [&] { return rows.gather_rows(cells.line_forces(state.motion.u, history), 1); };
-  if (fields.size() > 1) {
-    fields[1].make = [&] { return rows.gather_rows(cells.line_runs(history), 1); };
+  const std::map<std::string, std::function<Values()>> values = {
+      {"axial_force", [&] { return cells.line_forces(state.motion.u, history); }},
+      {"brake_run", [&] { return cells.line_runs(history); }},
+      {"axial_stress", [&] { return line_stresses<dim>(cells, state.motion.u, history); }},
+      {"plastic_strain", [&] { return line_plastic_strains<dim>(cells, history); }}};
+  for (OutputField& field : fields) {
+    field.make = [&rows, make = values.at(field.name)] { return rows.gather_rows(make(), 1); };
   }
   series_.write({.time = time,
                  .dim = dim,

@@ -15,6 +15,7 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "fem_solver/stress/cell_damage.hpp"
 #include "fem_solver/stress/cells_of_materials.hpp"
 
 namespace gabion::fem {
@@ -114,9 +115,11 @@ void Equilibrium<dim>::find_history(StructureState& state) const {
   state.history.reset();
   state.plastic_work = 0;
   state.brake_work = 0;
+  state.damage_work = 0;
   if (!history_n_) return;
   state.history = std::make_shared<const std::vector<double>>(trial_history_);
-  if (cells_.yields()) state.plastic_work = shared().total(cells_.plastic_work(trial_history_));
+  state.plastic_work = shared().total(cells_.plastic_work(trial_history_));
+  if (cracks()) state.damage_work = shared().total(damage_work<dim>(cells_, trial_history_));
   if (!cells_.line_blocks().empty()) {
     state.brake_work = shared().total(cells_.brake_work(trial_history_));
   }

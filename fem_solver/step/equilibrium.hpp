@@ -66,8 +66,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// with backward differences, so that a ramp does not ring.
   StructureMotion motion_after(std::span<const double> du) const;
 
-  /// History at the end of the step, its plastic work and that of brakes, of the last evaluation,
-  /// which was admissible, into a state.
+  /// History at the end of the step, its plastic work, that of brakes and of damage, of the last
+  /// evaluation, which was admissible, into a state.
   /// @note Collective.
   void find_history(StructureState& state) const;
 
@@ -78,6 +78,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::vector<double> initial_acceleration(const StructureMotion& motion,
                                            std::span<const double> f_ext);
 
+  bool cracks() const { return cells_.cracks(); }  ///< cells of any rank may
   bool damped() const { return damping_ != nullptr; }
   /// f += C v, of all ranks' cells. [N]
   void add_damping(std::span<const double> v, std::span<double> f) const;

@@ -52,6 +52,15 @@ void StructureState::visit_damping(StateVisitor& visitor) {
   visitor.real("damping_work", damping_work);
 }
 
+void StructureState::visit_damage(StateVisitor& visitor) {
+  visitor.real("damage_work", damage_work);
+  visitor.real("widest_crack.width", widest_crack.width);
+  visitor.real("widest_crack.time", widest_crack.time);
+  visitor.real("widest_crack.x", widest_crack.place[0]);
+  visitor.real("widest_crack.y", widest_crack.place[1]);
+  visitor.real("widest_crack.z", widest_crack.place[2]);
+}
+
 void StructureState::visit_history(StateVisitor& visitor, HistoryRows& rows) {
   visitor.real("plastic_work", plastic_work);
   visitor.real("brake_work", brake_work);

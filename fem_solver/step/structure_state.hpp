@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -50,6 +51,13 @@ struct HistoryRows {
   std::vector<double> values;       ///< cells x width
 };
 
+/// The widest crack of a cell in any accepted state so far.
+struct WidestCrack {
+  double width = 0;                  ///< [m]
+  double time = 0;                   ///< [s]
+  std::array<double, 3> place = {};  ///< centre of the cell, before loading [m]
+};
+
 /// Everything that the next step depends on. Numbers and flags are the same on all ranks.
 struct StructureState {
   double time = 0;  ///< [s]
@@ -65,6 +73,8 @@ struct StructureState {
   double plastic_work = 0;    ///< of the cells since the virgin state [J]
   double brake_work = 0;      ///< that brakes of lines took since time 0 [J]
   double damping_work = 0;    ///< that damping took since time 0 [J]
+  double damage_work = 0;     ///< that cracks and crushing took since the virgin state [J]
+  WidestCrack widest_crack;
   CellHistory history;
   double external_work = 0;  ///< of loads, interface forces and reactions since time 0 [J]
   /// State for which the tangent matrix in use was assembled; it is part of the accepted state,
@@ -79,6 +89,8 @@ struct StructureState {
   /// The same of what only a structure with history has.
   /// @param rows  of the history by cell, with the cells' numbers in the whole mesh
   void visit_history(StateVisitor& visitor, HistoryRows& rows);
+  /// The same of what only a structure that cracks has.
+  void visit_damage(StateVisitor& visitor);
   /// The same of what only a damped structure has.
   void visit_damping(StateVisitor& visitor);
   /// Name and values.

@@ -13,8 +13,10 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/rotation_angle.hpp"
+#include "fem_solver/stress/crack_bands.hpp"
 #include "fem_solver/stress/enhanced_cell.hpp"
 #include "fem_solver/stress/point_stiffness.hpp"
+#include "fem_solver/stress/point_update.hpp"
 
 namespace gabion::fem {
 
@@ -68,18 +70,6 @@ Matrix<dim> displacement_gradient(const Vector<dim>* dN, const Vector<dim>* u_ce
   return H;
 }
 
-/// Stress update of a point, whichever kind of history the law has.
-template <int dim, class Law>
-bool update_point(const Law& law, const Matrix<dim>& H, HistoryStep history, StressUpdate<dim>& out,
-                  Tangent<dim>* A) {
-  if constexpr (LawWithHistory<Law>) {
-    return law.update(H, history.accepted, history.trial, out, A);
-  } else {
-    const MaterialState<dim> virgin;  // here, for the compiler to see that it is zero
-    return law.update(H, virgin, out, A);
-  }
-}
-
 }  // namespace
 
 template <int dim>
@@ -94,6 +84,7 @@ CellBlock<dim>::CellBlock(const Mesh<dim>& mesh, const CellMaterial<dim>& materi
     cell_nodes_.insert(cell_nodes_.end(), nodes.begin(), nodes.end());
   }
   compute_geometry(mesh, ranks);
+  bands_ = crack_bands<dim>(mesh, material_, cells_, ranks);
   history_width_ = history_per_point_ * static_cast<std::size_t>(points_per_cell_) +
                    (is_enhanced() ? num_modes<dim> : 0);
 }
@@ -125,6 +116,17 @@ void CellBlock<dim>::compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ra
   }
 }
 
+/// The law, or what it is in a cell.
+template <int dim>
+template <class Law>
+decltype(auto) CellBlock<dim>::law_in(const Law& law, std::size_t c) const {
+  if constexpr (std::same_as<Law, Concrete<dim>>) {
+    return ConcreteOfCell<dim>{law, bands_[c]};
+  } else {
+    return (law);
+  }
+}
+
 template <int dim>
 template <int nodes, class Law>
 StressIntegral CellBlock<dim>::integrate(const Law& law, std::span<const double> u,
@@ -143,6 +145,7 @@ StressIntegral CellBlock<dim>::integrate(const Law& law, std::span<const double>
       f_cell[a].setZero();
     }
     if (K) std::fill(std::begin(K_cell), std::end(K_cell), 0.0);
+    const auto& law_of_cell = law_in(law, static_cast<std::size_t>(c));
     for (int q = 0; q < points_per_cell_; ++q) {
       const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
       const Vector<dim>* dN = gradients_.data() + point * nodes;
@@ -151,7 +154,7 @@ StressIntegral CellBlock<dim>::integrate(const Law& law, std::span<const double>
       const HistoryStep of_point =
           LawWithHistory<Law> ? history.part(point * history_per_point_, history_per_point_)
                               : HistoryStep{};
-      if (!update_point<dim>(law, H, of_point, update, K ? &A : nullptr)) {
+      if (!update_point<dim>(law_of_cell, H, of_point, update, K ? &A : nullptr)) {
         return {.inadmissible_cell = cells_[c], .fault = "det F <= 0", .energy = result.energy};
       }
       result.energy += w * update.energy;
@@ -203,8 +206,10 @@ template <int dim>
 StressIntegral CellBlock<dim>::add_internal(std::span<const double> u, std::span<double> f_int,
                                             BlockMatrix<dim>* K, HistoryStep history) const {
   return std::visit(
-      [&](const auto& law) {
-        if (is_enhanced()) return integrate_enhanced(law, u, f_int, K, history);
+      [&]<class Law>(const Law& law) {
+        if constexpr (!std::same_as<Law, Concrete<dim>>) {
+          if (is_enhanced()) return integrate_enhanced(law, u, f_int, K, history);
+        }
         if constexpr (dim == 2) {
           switch (nodes_per_cell_) {
             case 3:
@@ -261,7 +266,8 @@ Symmetric<dim> CellBlock<dim>::mean_stress(const Law& law, std::int32_t c,
     const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
     const HistoryStep of_point = HistoryStep{.accepted = history, .trial = unused}.part(
         q * history_per_point_, history_per_point_);
-    update_point<dim>(law, gradient_at(c, q, u), of_point, update, nullptr);
+    update_point<dim>(law_in(law, static_cast<std::size_t>(c)), gradient_at(c, q, u), of_point,
+                      update, nullptr);
     const bool small_strain = std::same_as<Law, LinearElastic<dim>>;
     mean += weights_[point] * update.tau / (small_strain ? 1.0 : update.J);
     volume += weights_[point];
@@ -300,12 +306,18 @@ void CellBlock<dim>::find_stresses(std::span<const double> u, std::span<const do
                                    std::span<double> stresses) const {
   constexpr std::size_t size = symmetric_size<dim>;
   std::visit(
-      [&](const auto& law) {
+      [&]<class Law>(const Law& law) {
         for (std::size_t k = 0; k < cells_.size(); ++k) {
           const auto c = static_cast<std::int32_t>(k);
           const auto own = history.subspan(k * history_width_, history_width_);
-          Eigen::Map<Symmetric<dim>>(stresses.data() + cells_[k] * size) =
-              is_enhanced() ? mean_enhanced_stress(law, c, u, own) : mean_stress(law, c, u, own);
+          Eigen::Map<Symmetric<dim>> mean(stresses.data() + cells_[k] * size);
+          if constexpr (!std::same_as<Law, Concrete<dim>>) {
+            if (is_enhanced()) {
+              mean = mean_enhanced_stress(law, c, u, own);
+              continue;
+            }
+          }
+          mean = mean_stress(law, c, u, own);
         }
       },
       material_.law);

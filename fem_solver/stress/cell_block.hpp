@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "common/mechanics/mesh/mesh.hpp"
@@ -21,7 +22,7 @@ class CellBlock {
  public:
   /// @param cells  of the mesh
   /// @param ranks  for the number of a cell in messages
-  /// @throws ConfigError  a cell with a Jacobian <= 0 at a quadrature point
+  /// @throws ConfigError  a cell with a Jacobian <= 0 at a quadrature point; see crack_bands()
   CellBlock(const Mesh<dim>& mesh, const CellMaterial<dim>& material,
             std::vector<std::int32_t> cells, const MeshRanks& ranks);
 
@@ -44,7 +45,11 @@ class CellBlock {
   std::span<const std::int32_t> cells() const { return cells_; }
   std::size_t history_width() const { return history_width_; }  ///< of a cell
   std::size_t history_size() const { return history_width_ * cells_.size(); }
-  bool yields() const { return history_per_point_ > 0; }
+  std::span<const double> weights(std::size_t c) const {  ///< of the points of a cell [m^dim]
+    return std::span(weights_).subspan(c * points_per_cell_, points_per_cell_);
+  }
+  bool yields() const { return std::holds_alternative<VonMises<dim>>(material_.law); }
+  bool cracks() const { return std::holds_alternative<Concrete<dim>>(material_.law); }
 
  private:
   template <int nodes, class Law>
@@ -60,6 +65,8 @@ class CellBlock {
   template <class Law>
   Symmetric<dim> mean_enhanced_stress(const Law& law, std::int32_t c, std::span<const double> u,
                                       std::span<const double> history) const;
+  template <class Law>
+  decltype(auto) law_in(const Law& law, std::size_t c) const;
   void compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ranks);
   std::span<const std::int32_t> nodes_of(std::int32_t c) const {
     return std::span(cell_nodes_)
@@ -78,6 +85,7 @@ class CellBlock {
   std::vector<Vector<dim>> gradients_;    // cells x points x nodes
   std::vector<double> weights_;           // cells x points [m^dim]
   std::vector<ModeStrains<dim>> modes_;   // cells x points; empty: not enhanced
+  std::vector<CrackBand<dim>> bands_;     // cells; empty: not of concrete
 };
 
 }  // namespace gabion::fem

@@ -272,6 +272,9 @@ double CellIntegrals<dim>::plastic_work(std::span<const double> history) const {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     sum += blocks_[b].plastic_work(of_block(history, b));
   }
+  for (std::size_t b = 0; b < line_blocks_.size(); ++b) {
+    sum += line_blocks_[b].plastic_work(of_line_block(history, b));
+  }
   return sum;
 }
 
@@ -300,6 +303,7 @@ template <int dim>
 std::vector<double> CellIntegrals<dim>::line_runs(std::span<const double> history) const {
   std::vector<double> result(line_nodes_.size() / 2, 0.0);
   for (std::size_t b = 0; b < line_blocks_.size(); ++b) {
+    if (!line_blocks_[b].material().brake) continue;
     const auto lines = line_blocks_[b].lines();
     const auto runs = of_line_block(history, b);
     for (std::size_t k = 0; k < runs.size(); ++k) result[lines[k]] = runs[k];
@@ -333,6 +337,11 @@ std::size_t CellIntegrals<dim>::history_width() const {
 template <int dim>
 bool CellIntegrals<dim>::yields() const {
   return std::ranges::any_of(blocks_, [](const auto& block) { return block.yields(); });
+}
+
+template <int dim>
+bool CellIntegrals<dim>::cracks() const {
+  return std::ranges::any_of(blocks_, [](const auto& block) { return block.cracks(); });
 }
 
 /// Call visit(place in a history, place in rows, number of values) for each cell and line.

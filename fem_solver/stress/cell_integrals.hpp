@@ -57,7 +57,7 @@ class CellIntegrals {
                                     std::span<const double> history = {}) const;
   /// Equivalent plastic strain of each cell, mean over its quadrature points; 0 where none yields.
   std::vector<double> cell_plastic_strains(std::span<const double> history) const;
-  double plastic_work(std::span<const double> history) const;  ///< [J]
+  double plastic_work(std::span<const double> history) const;  ///< of lines too [J]
   double brake_work(std::span<const double> history) const;    ///< of brakes of lines [J]
   /// Force along each line, tension positive, num_lines [N].
   std::vector<double> line_forces(std::span<const double> u, std::span<const double> history) const;
@@ -75,6 +75,7 @@ class CellIntegrals {
   std::size_t history_size() const;   ///< number of values; those of the virgin state are 0
   std::size_t history_width() const;  ///< the largest of a cell
   bool yields() const;                ///< a block does
+  bool cracks() const;                ///< a block does
   std::span<const CellBlock<dim>> blocks() const { return blocks_; }
   std::span<const LineBlock<dim>> line_blocks() const { return line_blocks_; }
   /// The part of a history that is of this block.

@@ -68,9 +68,8 @@ StressIntegral LineBlock<dim>::add_internal(std::span<const double> u, std::span
   StressIntegral result;
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     const auto [e, length] = ends(k, u);
-    const double run = material_.brake ? history.accepted[k] : 0;
-    const LineResponse line = respond(material_, free_lengths_[k], length, run);
-    if (material_.brake) history.trial[k] = line.run;
+    const HistoryStep own = history.part(k * history_width(), history_width());
+    const LineResponse line = respond(material_, free_lengths_[k], length, own.accepted, own.trial);
     result.energy += line.energy;
     if (line.force == 0 && line.slope == 0) continue;
     if (length < shortest_share * free_lengths_[k]) {
@@ -122,9 +121,11 @@ template <int dim>
 std::vector<double> LineBlock<dim>::forces(std::span<const double> u,
                                            std::span<const double> history) const {
   std::vector<double> forces;
+  const std::size_t width = history_width();
+  std::vector<double> unused(width);
   for (std::size_t k = 0; k < lines_.size(); ++k) {
-    const double run = material_.brake ? history[k] : 0;
-    forces.push_back(respond(material_, free_lengths_[k], ends(k, u).length, run).force);
+    const auto own = history.subspan(k * width, width);
+    forces.push_back(respond(material_, free_lengths_[k], ends(k, u).length, own, unused).force);
   }
   return forces;
 }
@@ -135,6 +136,27 @@ double LineBlock<dim>::brake_work(std::span<const double> history) const {
   if (!material_.brake) return sum;
   for (const double run : history) sum += material_.brake->work(run);
   return sum;
+}
+
+template <int dim>
+double LineBlock<dim>::plastic_work(std::span<const double> history) const {
+  double sum = 0;
+  if (!yields()) return sum;
+  for (std::size_t k = 0; k < lines_.size(); ++k) {
+    sum += material_.area * free_lengths_[k] *
+           fem::plastic_work(material_, history.subspan(k * history_width(), history_width()));
+  }
+  return sum;
+}
+
+template <int dim>
+std::vector<double> LineBlock<dim>::plastic_strains(std::span<const double> history) const {
+  std::vector<double> strains;
+  if (!yields()) return strains;
+  for (std::size_t k = 0; k < lines_.size(); ++k) {
+    strains.push_back(history[k * history_width() + 1]);
+  }
+  return strains;
 }
 
 template class LineBlock<2>;

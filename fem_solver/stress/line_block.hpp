@@ -37,11 +37,15 @@ class LineBlock {
 
   /// Forces of its lines, tension positive [N]. @param history  accepted
   std::vector<double> forces(std::span<const double> u, std::span<const double> history) const;
-  double brake_work(std::span<const double> history) const;  ///< [J]
+  double brake_work(std::span<const double> history) const;    ///< [J]
+  double plastic_work(std::span<const double> history) const;  ///< of bars [J]
+  /// Sum of the size of plastic strains of its lines; empty: no bars.
+  std::vector<double> plastic_strains(std::span<const double> history) const;
 
   const LineMaterial& material() const { return material_; }
   std::span<const std::int32_t> lines() const { return lines_; }
-  std::size_t history_width() const { return material_.brake ? 1 : 0; }  ///< of a line
+  std::size_t history_width() const { return material_.history_size(); }  ///< of a line
+  bool yields() const { return material_.hardening.has_value(); }
   std::size_t history_size() const { return history_width() * lines_.size(); }
 
  private:
