@@ -145,7 +145,8 @@ class MeasuredTable:
             raise PlanError(f"{where}: {path}: {reason}, allowed: a CSV file") from error
         rows = list(csv.reader(lines))
         if len(rows) < 2:
-            raise PlanError(f"{where}: {path}: found {max(len(rows) - 1, 0)} rows, allowed: a head and at least one row")
+            raise PlanError(f"{where}: {path}: found {max(len(rows) - 1, 0)} rows, allowed: a head and "
+                            "at least one row")
         self.rows = rows[1:]
         self.columns: dict[str, tuple[int, str, float]] = {}  # number, quantity, factor
         for number, head in enumerate(rows[0]):

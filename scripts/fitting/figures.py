@@ -6,7 +6,7 @@ import numpy as np
 from plotting.results import Results
 from plotting.style import COLOURS, Figure, plt
 
-from .data import DataSet, OneNumber
+from .data import DataSet, OneNumber, OverTime
 
 PER_ROW = 3
 
@@ -33,7 +33,9 @@ def _draw_curve(axes: plt.Axes, each: DataSet, results: Results) -> None:
     axes.plot(*each.source.course(results), color=COLOURS[0], label="fitted")
     axes.errorbar(each.at[:, 0], each.values, each.deviation, fmt="o", ms=4, mfc="none", color=COLOURS[1],
                   label="measured")
-    axes.set_xlabel(f"{each.over[0]} [{'s' if hasattr(each.source, 'column') else 'm'}]")
+    over_time = isinstance(each.source, OverTime)
+    axes.set_xlabel(f"{each.over[0]} [{'s' if over_time else 'm'}]")
+    axes.set_ylabel(each.source.column if over_time else each.source.field)
 
 
 def _draw_pairs(axes: plt.Axes, each: DataSet, found: np.ndarray) -> None:

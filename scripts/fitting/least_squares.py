@@ -39,7 +39,8 @@ class Model(Protocol):
 class Search:
     """samples: over the whole box; polished: how many of the best are starts of least squares, after `start` [z] if
     given; outlier: misfit from which values count less, None: all alike; step: of z, for differences; tolerance:
-    relative change of cost or z that ends a start; evaluations: most steps of one."""
+    relative change of cost or z that ends a start; evaluations: most steps of one; floor: cost that the errors of the
+    data alone give, of which a change by the tolerance ends a start too."""
 
     samples: int
     polished: int
@@ -49,6 +50,7 @@ class Search:
     tolerance: float = 1e-10
     evaluations: int = 60
     start: np.ndarray | None = None
+    floor: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,7 @@ def search(sought: Sequence[Sought], model: Model, how: Search) -> list[Minimum]
 
     @raises FitError  no sample has an answer
     """
-    cube = list(qmc.LatinHypercube(len(sought), seed=how.seed).random(how.samples))
+    cube = list(qmc.LatinHypercube(len(sought), seed=how.seed).random(how.samples)) if how.polished else []
     given = [] if how.start is None else [how.start]
     found = model.misfits([*given, *cube])
     order = sorted((float(np.sum(r**2)), k) for k, r in enumerate(found[len(given):]) if r is not None)
@@ -111,15 +113,22 @@ def search(sought: Sequence[Sought], model: Model, how: Search) -> list[Minimum]
     there = [r for r in found if r is not None]
     beyond = max(BEYOND, FARTHER * max(float(np.max(np.abs(r))) for r in there))
 
+    constant = np.sqrt(2 * how.floor)  # one more misfit, that no parameter changes
+
     def misfit(z: np.ndarray) -> np.ndarray:
         (r,) = model.misfits([z])
-        return np.full(len(there[0]), beyond) if r is None else r
+        r = np.full(len(there[0]), beyond) if r is None else r
+        return np.append(r, constant) if how.floor else r
+
+    def jacobian(z: np.ndarray) -> np.ndarray:
+        found = slopes_at(sought, model, z, how.step).jacobian
+        return np.vstack([found, np.zeros(len(z))]) if how.floor else found
 
     loss = {} if how.outlier is None else {"loss": "soft_l1", "f_scale": how.outlier}
-    ends = [optimize.least_squares(misfit, z, jac=lambda z: slopes_at(sought, model, z, how.step).jacobian,
-                                   bounds=(0, 1), xtol=how.tolerance, ftol=how.tolerance, max_nfev=how.evaluations,
-                                   **loss) for z in starts]
-    return sorted((Minimum(end.x, float(end.cost), end.status != 0) for end in ends), key=lambda end: end.cost)
+    ends = [optimize.least_squares(misfit, z, jac=jacobian, bounds=(0, 1), xtol=how.tolerance, ftol=how.tolerance,
+                                   max_nfev=how.evaluations, **loss) for z in starts]
+    return sorted((Minimum(end.x, float(end.cost) - how.floor, end.status != 0) for end in ends),
+                  key=lambda end: end.cost)
 
 
 def slopes_at(sought: Sequence[Sought], model: Model, z: np.ndarray, step: float) -> Slopes:

@@ -96,7 +96,8 @@ def read_fit(path: Path, content: dict) -> FitPlan:
         raise fit.fail("parameters", "an object with at least one")
     for each in parameters:
         if each.name in (*COLUMNS, MISFIT):
-            raise PlanError(f"{each.where}: found the name {each.name}, allowed: none of {', '.join(COLUMNS)}, {MISFIT}")
+            raise PlanError(f"{each.where}: found the name {each.name}, allowed: none of "
+                            f"{', '.join((*COLUMNS, MISFIT))}")
     require_apart(parameters)
     data = [read_data(name, each, path.parent, dimension) for name, each in fit.named("data", DATA_KEYS).items()]
     if not data:
@@ -105,7 +106,8 @@ def read_fit(path: Path, content: dict) -> FitPlan:
     if count < len(parameters):
         raise PlanError(f"{path}:/fit/data: found {count} measured value{'s' * (count > 1)} for {len(parameters)} "
                         "parameters, allowed: at least as many values")
-    plan = FitPlan(path, scene.resolve(), settings, parameters, data, _read_search(fit, parameters), read_ranks(top))
+    how = _read_search(fit, parameters, count)
+    plan = FitPlan(path, scene.resolve(), settings, parameters, data, how, read_ranks(top))
     _check_values(plan)
     _check_times(plan)
     return plan
@@ -120,8 +122,8 @@ def _read_parameter(name: str, reader: PlanReader) -> FitParameter:
     return FitParameter(name, bounds.low, bounds.high, bounds.by_log, paths, reader.where, start)
 
 
-def _read_search(fit: PlanReader, parameters: list[FitParameter]) -> Search:
-    """The usual values suit runs whose answers scatter a little, and take time."""
+def _read_search(fit: PlanReader, parameters: list[FitParameter], count: int) -> Search:
+    """The usual values suit runs whose answers scatter a little, and take time. count: of measured values."""
     def whole(key: str, otherwise: int, least: int) -> int:
         return fit.whole(key, least) if key in fit.values else otherwise
 
@@ -141,7 +143,7 @@ def _read_search(fit: PlanReader, parameters: list[FitParameter]) -> Search:
     if restarts > samples:
         raise fit.fail("restarts", f"at most as many as samples, {samples}")
     return Search(samples, restarts, whole("seed", 1, 0), None, number("step", 0.02, 0.25),
-                  number("tolerance", 1e-4, 0.1), whole("evaluations", 20, 1), start)
+                  number("tolerance", 1e-3, 0.1), whole("evaluations", 40, 1), start, floor=count / 2)
 
 
 def _check_values(plan: FitPlan) -> None:

@@ -63,7 +63,9 @@ class Study:
             raise PlanError(f"{self.folder}: found {', '.join(sorted(others)[:3])}, allowed: a new or empty folder, or "
                             f"that of a study, which has a {STUDY}")
         about = {"plan": json.loads(self.plan.path.read_text(encoding="utf-8")), "scene": str(self.plan.scene),
-                 "seed": self.plan.design.seed, "version": version(), **({"runs": len(self.outcomes)} if self.outcomes else {})}
+                 "seed": self.plan.design.seed, "version": version()}
+        if self.outcomes:  # those of a fit follow from one another
+            about["runs"] = len(self.outcomes)
         text = json.dumps(about, indent=1) + "\n"
         mark = self.folder / STUDY
         if not mark.exists() or mark.read_text(encoding="utf-8") != text:
