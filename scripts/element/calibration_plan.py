@@ -2,7 +2,6 @@
 """Plan of a calibration: material, parameters that are sought, tests with what the laboratory measured."""
 
 import copy
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,31 +11,19 @@ import numpy as np
 from element.curves import LabTable, read_laboratory
 from element.laboratory import COMPRESSION_TESTS, TESTS, TIME_TESTS, ElementError, Options, program_of
 from element.program import read_json
-from sampling.reader import PlanError, PlanReader, is_number, read_object
+from fitting.bounds import Sought, read_sought
+from sampling.reader import PlanError, PlanReader, read_object
 
 KEYS = ("material", "water", "scene", "body", "parameters", "tests", "samples", "polished", "seed", "robust")
 NUMBERS = ("confine", "strain", "stress", "hold", "back_pressure", "band_width", "duration")
 TEST_KEYS = ("name", "lab", "test", "over", "undrained", "increments", *NUMBERS)
-CLEARLY_LOG = 10  # bounds that are so many times apart are searched by their logarithm
 
 
 @dataclass(frozen=True)
-class Sought:
-    """A parameter: 0 <= z <= 1 runs from its low to its high value, evenly or by the logarithm."""
+class SoughtKey(Sought):
+    """A parameter of the material. keys: where in it."""
 
-    name: str
-    keys: tuple[str, ...]  #: where in the material
-    low: float
-    high: float
-    by_log: bool
-
-    @property
-    def width(self) -> float:
-        """What z = 1 is: of the value, or of its natural logarithm."""
-        return math.log(self.high / self.low) if self.by_log else self.high - self.low
-
-    def value(self, z: float) -> float:
-        return self.low * math.exp(z * self.width) if self.by_log else self.low + z * self.width
+    keys: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -62,7 +49,7 @@ class LabTest:
 @dataclass(frozen=True)
 class CalibrationPlan:
     blocks: dict[str, Any]  #: "material", "water"
-    sought: tuple[Sought, ...]
+    sought: tuple[SoughtKey, ...]
     tests: tuple[LabTest, ...]
     samples: int
     polished: int
@@ -124,7 +111,7 @@ def _blocks(plan: PlanReader, folder: Path) -> dict[str, Any]:
     return {key: chosen[0][key] for key in ("material", "water") if key in chosen[0]}
 
 
-def _sought(name: str, reader: PlanReader, material: dict) -> Sought:
+def _sought(name: str, reader: PlanReader, material: dict) -> SoughtKey:
     pointer = reader.text("set", "a key of the material, such as /friction_angle")
     keys = tuple(pointer.split("/")[1:])
     place: Any = material
@@ -133,18 +120,8 @@ def _sought(name: str, reader: PlanReader, material: dict) -> Sought:
     if not pointer.startswith("/") or not keys or not isinstance(place, dict):
         raise reader.fail("set", "a key of the material, such as /friction_angle or /softening/slip; the object that "
                                  "holds it has to be there")
-    between = reader.values.get("between")
-    if not isinstance(between, list) or len(between) != 2 or not all(map(is_number, between)):
-        raise reader.fail("between", "[low, high]")
-    low, high = map(float, between)
-    if not low < high:
-        raise reader.fail("between", "[low, high] with low < high")
-    by_log = low > 0 and high / low >= CLEARLY_LOG
-    if "scale" in reader.values:
-        by_log = reader.word("scale", ("log", "linear")) == "log"
-        if by_log and not low > 0:
-            raise reader.fail("scale", "linear where low is not above 0")
-    return Sought(name, keys, low, high, by_log)
+    bounds = read_sought(name, reader)
+    return SoughtKey(name, bounds.low, bounds.high, bounds.by_log, keys)
 
 
 def _test(k: int, reader: PlanReader, folder: Path) -> LabTest:

@@ -86,21 +86,22 @@ class Plan:
     def _settings(self, point: dict[str, Any], repeat: int) -> list[str]:
         scene = Scene(self.scene)
         for path, value in self.settings.items():
-            self._set(scene, path, value, f"{self.path}:/settings")
+            set_in(scene, path, value, f"{self.path}:/settings")
         for parameter in self.parameters:
             for path, value in parameter.settings(point[parameter.name]).items():
-                self._set(scene, path, value, parameter.where)
+                set_in(scene, path, value, parameter.where)
         if self.repeats and repeat:
             value = scene[self.repeats.path]
-            self._set(scene, self.repeats.path, value * (1 + self.repeats.change * repeat), f"{self.path}:/repeats")
+            set_in(scene, self.repeats.path, value * (1 + self.repeats.change * repeat), f"{self.path}:/repeats")
         return scene.options
 
-    @staticmethod
-    def _set(scene: Scene, path: str, value: Any, where: str) -> None:
-        try:
-            scene[path] = value
-        except SettingError as error:
-            raise PlanError(f"{where}: {error}") from error
+
+def set_in(scene: Scene, path: str, value: Any, where: str) -> None:
+    """@raises PlanError  a setting that the scene cannot have"""
+    try:
+        scene[path] = value
+    except SettingError as error:
+        raise PlanError(f"{where}: {error}") from error
 
 
 def read_plan(path: Path) -> Plan:
@@ -133,12 +134,12 @@ def read_plan(path: Path) -> Plan:
     fragilities = [_read_fragility(name, reader, parameters, answers)
                    for name, reader in top.named("fragility", ("demand", "capacity", "intensity")).items()]
     plan = Plan(path, scene.resolve(), settings, parameters, design, correlations, _read_repeats(top), answers, bands,
-                fragilities, _read_ranks(top))
+                fragilities, read_ranks(top))
     _check_repeats(plan)
     return plan
 
 
-def _read_ranks(top: PlanReader) -> dict[str, int]:
+def read_ranks(top: PlanReader) -> dict[str, int]:
     if "ranks" not in top.values:
         return {}
     reader = top.inner("ranks", SOLVERS)

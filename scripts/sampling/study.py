@@ -29,6 +29,7 @@ class Outcome:
     case: Case
     label: str
     status: str = "not run"
+    code: int | None = None  #: exit code; None: not run, or no end
     answers: dict[str, float] = field(default_factory=dict)
     curves: dict[str, Curve] = field(default_factory=dict)
 
@@ -62,7 +63,9 @@ class Study:
             raise PlanError(f"{self.folder}: found {', '.join(sorted(others)[:3])}, allowed: a new or empty folder, or "
                             f"that of a study, which has a {STUDY}")
         about = {"plan": json.loads(self.plan.path.read_text(encoding="utf-8")), "scene": str(self.plan.scene),
-                 "seed": self.plan.design.seed, "version": version(), "runs": len(self.outcomes)}
+                 "seed": self.plan.design.seed, "version": version()}
+        if self.outcomes:  # those of a fit follow from one another
+            about["runs"] = len(self.outcomes)
         text = json.dumps(about, indent=1) + "\n"
         mark = self.folder / STUDY
         if not mark.exists() or mark.read_text(encoding="utf-8") != text:
@@ -103,14 +106,18 @@ class Study:
 
     def _read(self, outcome: Outcome, attempt: Attempt) -> None:
         """@raises ResultsError  a completed run without what the plan asks for"""
+        outcome.code = None if attempt.reason else attempt.code
         if attempt.code == 0:
-            results = attempt.results
+            self._take(outcome, attempt.results)
             outcome.status = "completed"
-            outcome.answers = {answer.name: answer.of(results) for answer in self.plan.answers}
-            outcome.curves = {name: curve_of(results, *place) for name, place in self.plan.bands.items()}
             return
         outcome.status = f"failed: {self._reason(outcome.label, attempt)}"
         outcome.answers = {answer.name: math.nan for answer in self.plan.answers}
+
+    def _take(self, outcome: Outcome, results: Results) -> None:
+        """What the plan asks for. @raises ResultsError  it is not there"""
+        outcome.answers = {answer.name: answer.of(results) for answer in self.plan.answers}
+        outcome.curves = {name: curve_of(results, *place) for name, place in self.plan.bands.items()}
 
     def _reason(self, label: str, attempt: Attempt) -> str:
         if attempt.reason:

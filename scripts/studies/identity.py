@@ -13,6 +13,7 @@ from plotting.lock import MARKER
 from plotting.results import object_of
 
 WORDS_AND_PICTURES = {".md", ".png"}  # of a scene's folder that no run reads
+PLANS = ({"scene", "parameters", "design"}, {"scene", "fit"})  # keys by which a plan is known
 STUDY = "study.json"  # in the folder of a study
 MARKS = (MARKER, STUDY)  # of folders of results
 
@@ -29,7 +30,7 @@ def texts_of(value: Any) -> Iterator[str]:
 def is_plan(path: Path) -> bool:
     """Whether it is a plan of a study, which says what to run and is read by none of its runs."""
     found = object_of(path) if path.suffix == ".json" else None
-    return isinstance(found, dict) and {"scene", "parameters", "design"} <= found.keys()
+    return isinstance(found, dict) and any(keys <= found.keys() for keys in PLANS)
 
 
 def own_files(folder: Path) -> Iterator[Path]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from running.mpi import find_launcher
 from studies.instructions import FORMS, SOLVER, has_run, solve
 from studies.runner import Runner, folder_of
 from studies.size import read, refined
@@ -78,8 +79,7 @@ THREADS = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OMPI_MCA_mpi_yi
 
 
 def mpirun(ranks: int) -> list[str]:
-    return ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", *["--allow-run-as-root"] * (os.geteuid() == 0),
-            "-n", str(ranks)]
+    return [*find_launcher().words, "-n", str(ranks)]
 
 
 def launch(folder: Path, settings: dict, ranks: int, restart: Path | None = None) -> Path:

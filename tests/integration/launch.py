@@ -26,9 +26,12 @@ from pathlib import Path
 
 import h5py
 
+sys.path.append(str(Path(__file__).resolve().parents[2] / "scripts"))
+from running.mpi import find_launcher  # noqa: E402
+
+LAUNCHER = find_launcher()
 PROGRAMS = ("coupler", "mpm_solver", "fem_solver")
-ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OMP_THREAD_LIMIT": "1",
-              "OMPI_MCA_btl_vader_single_copy_mechanism": "none", "OMPI_MCA_orte_allowed_exit_without_sync": "1"}
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OMP_THREAD_LIMIT": "1", **LAUNCHER.environment}
 MARK = "GABION_TEST_LAUNCH"  # environment variable by which processes of a launch are found
 TIMEOUT = 300  # [s] ends a launch that hangs; no test is judged by its time
 
@@ -233,16 +236,12 @@ class IntegrationCase(unittest.TestCase):
     def start(self, *options: str, programs: tuple[str, ...] = PROGRAMS, ranks: dict[str, int] | None = None,
               own: dict[str, list[str]] | None = None, ignored_signal: str = "") -> Launch:
         """Start programs on the scene in one mpirun line. `own`: options of one program."""
-        command = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none"]
-        if os.geteuid() == 0:
-            command.append("--allow-run-as-root")
-        for i, program in enumerate(programs):
-            command += [":"] * (i > 0) + ["-n", str((ranks or {}).get(program, 1))]
-            if ignored_signal:
-                command += ["/bin/sh", "-c", f"trap '' {ignored_signal}; exec \"$@\"", "sh"]
-            command += [str(binaries / program), str(self.scene), "--output", str(self.out), *options]
-            command += (own or {}).get(program, [])
-        launch = Launch(command, self.folder)
+        trapped = ["/bin/sh", "-c", f"trap '' {ignored_signal}; exec \"$@\"", "sh"] if ignored_signal else []
+        common = [str(self.scene), "--output", str(self.out), *options]
+        launched = [((ranks or {}).get(program, 1),
+                     [*trapped, str(binaries / program), *common, *(own or {}).get(program, [])])
+                    for program in programs]
+        launch = Launch(LAUNCHER.command(launched), self.folder)
         self.addCleanup(launch.end)
         return launch
 

@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 import launch
-from launch import ONE_THREAD, IntegrationCase, Launch, endless
+from launch import LAUNCHER, ONE_THREAD, IntegrationCase, Launch, endless
 from restart_rows import rows_of_steps, rows_without_seconds
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -27,11 +27,10 @@ class Batch(IntegrationCase):
         scontrol = tools / "scontrol"
         scontrol.write_text(f'#!/bin/sh\necho "$@" >>{self.asked}\n')
         scontrol.chmod(0o755)
-        root = " --allow-run-as-root" if os.geteuid() == 0 else ""
         self.environment = {
             **os.environ, **ONE_THREAD, "PATH": f"{tools}:{os.environ['PATH']}", "SLURM_JOB_ID": "4711",
             "SCENE": str(self.scene), "OUTPUT": str(self.folder), "BIN": str(launch.binaries), "MPM_RANKS": "1",
-            "LAUNCH": f"mpirun -q --oversubscribe --bind-to none{root}",
+            "LAUNCH": " ".join(LAUNCHER.words),
         }
         self.files = endless(in_contact=True)
         self.write_scene(self.files)

@@ -19,8 +19,8 @@ MODEL = ROOT / "configs" / "granular_obstacle_dolfinx" / "structure.py"
 
 def rank_of(structure: Launch, rank: int) -> int:
     """Its process."""
-    wanted = f"OMPI_COMM_WORLD_RANK={rank}".encode()
-    found = [pid for pid in structure.alive() if wanted in Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")]
+    wanted = {f"{name}={rank}".encode() for name in ("OMPI_COMM_WORLD_RANK", "PMIX_RANK")}
+    found = [pid for pid in structure.alive() if wanted & {*Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")}]
     assert len(found) == 1, f"rank {rank}: found processes {found}"
     return found[0]
 

@@ -9,7 +9,7 @@ import numpy as np
 import ufl
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "structures" / "dolfinx"), str(ROOT / "protocol" / "python")]
+sys.path[:0] = [str(ROOT / "structures" / "dolfinx"), str(ROOT / "protocol" / "python"), str(ROOT / "scripts")]
 from dolfinx.mesh import CellType, create_box, create_rectangle  # noqa: E402
 from gabion_dolfinx import Model  # noqa: E402
 from gabion_participant import STEP_MEAN, StepRequest  # noqa: E402

@@ -20,6 +20,7 @@ from gabion_dolfinx.model import ModelError
 from gabion_dolfinx.program import read_model
 from gabion_dolfinx.structure import Structure
 from gabion_participant import END_OF_STEP, STEP_MEAN, ConvergenceError, StepRequest
+from running.mpi import find_launcher
 
 COMM = MPI.COMM_SELF
 SCENES = models.ROOT / "configs"
@@ -238,10 +239,9 @@ class History(unittest.TestCase):
 
 class Ranks(unittest.TestCase):
     def found(self, ranks: int) -> list[dict]:
-        as_root = ["--allow-run-as-root"] if os.geteuid() == 0 else []
-        command = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", *as_root, "-n", str(ranks), sys.executable,
-                   str(Path(models.__file__))]
-        environment = {**os.environ, "OMPI_MCA_btl_vader_single_copy_mechanism": "none", "OPENBLAS_NUM_THREADS": "1"}
+        launcher = find_launcher()
+        command = launcher.command([(ranks, [sys.executable, str(Path(models.__file__))])])
+        environment = {**os.environ, **launcher.environment, "OPENBLAS_NUM_THREADS": "1"}
         ended = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600, check=True)
         return [json.loads(line[6:]) for line in ended.stdout.splitlines() if line.startswith("found ")]
 

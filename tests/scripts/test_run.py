@@ -284,10 +284,12 @@ class OpenMpi5(MadeUpCase):
         self.assertNotIn("vader", environment)
 
     def test_launcher_that_is_none(self) -> None:
-        command = self.made_up("#!/bin/bash\nprintf '%s\\0' 'tcp://127.0.0.1:*'\n", "#!/bin/bash\necho HYDRA\n")
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
-        self.assertEqual(done.returncode, 2)
-        self.assertIn("mpirun is not Open MPI's", done.stderr)
+        for said in ("HYDRA", "HYDRA build details: Version: 4.0.2", ""):
+            command = self.made_up("#!/bin/bash\nprintf '%s\\0' 'tcp://127.0.0.1:*'\n",
+                                   f"#!/bin/bash\necho '{said}'\n")
+            done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
+            self.assertEqual(done.returncode, 2, said)
+            self.assertIn("mpirun is not Open MPI's", done.stderr)
 
     def test_each_rank_becomes_its_program(self) -> None:
         line = ["-n", "1", "echo", "a", "b c", "::", "-n", "2", "echo", "*"]

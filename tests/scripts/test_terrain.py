@@ -18,6 +18,7 @@ import numpy as np
 from script_case import ScriptCase
 
 from made_up_results import write_space_results
+from running.mpi import find_launcher
 from terrain_scene.barrier import build_wall
 from terrain_scene.depths import CellDepths, Mass, near_outlines, of_raster
 from terrain_scene.outline import Outline
@@ -69,11 +70,10 @@ class TerrainCase(ScriptCase):
 
     def check(self, *programs: str) -> str:
         scene = self.folder / "scene"
-        command = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", "--allow-run-as-root"]
-        for k, program in enumerate(programs):
-            command += [*([":"] if k else []), "-n", "1", str(PROGRAMS / program), str(scene), "--check", "--output",
-                        str(self.folder / "out")]
-        environment = os.environ | {"OMP_NUM_THREADS": "1", "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}
+        launcher = find_launcher()
+        options = [str(scene), "--check", "--output", str(self.folder / "out")]
+        command = launcher.command([(1, [str(PROGRAMS / program), *options]) for program in programs])
+        environment = os.environ | launcher.environment | {"OMP_NUM_THREADS": "1"}
         ended = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600, env=environment)
         self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
         return ended.stdout + ended.stderr
