@@ -12,6 +12,7 @@
 #include "common/settings/plausible.hpp"
 #include "mpm_solver/checks/cell_filling.hpp"
 #include "mpm_solver/checks/grid_mesh.hpp"
+#include "mpm_solver/checks/phase_needs.hpp"
 #include "mpm_solver/checks/snap_back.hpp"
 #include "mpm_solver/config_checks.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
@@ -274,30 +275,6 @@ void require_names_apart(const ConfigReader& in, const MpmSettings<dim>& setting
   }
 }
 
-// What explicit steps cannot do.
-template <int dim>
-void check_explicit(const ConfigReader& in, const MpmSettings<dim>& settings) {
-  for (const Phase& phase : settings.phases) {
-    if (!phase.is_explicit()) continue;
-    if (method_in(settings.small_cuts, settings.grid.basis, true) == SmallCutMethod::ghost) {
-      in.fail("small_cuts", "found \"ghost\", allowed with explicit steps: none, mass_cutoff");
-    }
-    if (settings.tpic) {
-      in.fail("transfer", "found \"tpic\", allowed with explicit steps: flip");
-    }
-    const auto require_facets = [&](const std::string& key, const ContactSettings<dim>& surface) {
-      if (std::holds_alternative<FacetSettings>(surface.method)) return;
-      in.fail(key, "found \"boundary_points\", allowed with explicit steps: facets");
-    };
-    for (std::size_t k = 0; k < settings.interfaces.size(); ++k) {
-      require_facets(fmt::format("interfaces/{}/method", k), settings.interfaces[k]);
-    }
-    for (std::size_t k = 0; k < settings.rigid_walls.size(); ++k) {
-      require_facets(fmt::format("rigid_walls/{}/method", k), settings.rigid_walls[k].boundary);
-    }
-  }
-}
-
 // How systems of equations are solved; refused where none is.
 template <int dim>
 void read_solvers(ConfigReader& in, MpmSettings<dim>& settings) {
@@ -367,6 +344,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.rigid_walls = read_rigid_walls<dim>(scene, in, penalty_unit);
   require_names_apart(in, settings);
   check_explicit(in, settings);
+  check_strength_reduction(in, settings);
   std::vector<std::string> walls;
   for (const auto& wall : settings.rigid_walls) walls.push_back(wall.name);
   resolve_rigid_walls(in, walls, settings.phases);

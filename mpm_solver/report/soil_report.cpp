@@ -45,6 +45,24 @@ void append_ends(const SoilModel<dim>& model, const SoilState<dim>& state, Json&
   }
 }
 
+/// What the search for the factor of safety has come to.
+Json strength_json(const StrengthSearch& search) {
+  Json json = {{"phase", search.phase() + 1},
+               {"found", search.found()},
+               {"equilibrium_with", search.highest()},
+               {"displacement", search.displacement()}};
+  if (!search.found()) {
+    log::warn("strength reduction: no factor of safety found, the soil still rests with F = {:.5g}",
+              search.highest());
+    return json;
+  }
+  json["none_with"] = search.failed();
+  json["factor_of_safety"] = 0.5 * (search.highest() + search.failed());
+  json["ended_by"] = search.end() == SlopeEnd::displacement ? "displacement" : "no_equilibrium";
+  json["knee"] = search.knee();
+  return json;
+}
+
 // Share of the points that repeated solutions evaluated; 0: there were none. @note Collective.
 double repeated_share(MPI_Comm comm, const SubstepCounts& counts) {
   double points[] = {static_cast<double>(counts.evaluated_points),
@@ -133,6 +151,9 @@ std::vector<std::string> SoilReport<dim>::probe_names() const {
     }
   }
   for (const auto& name : Gauges<dim>::names(settings.gauges)) names.push_back(name);
+  if (any_reduces_strength(settings.phases)) {
+    names.insert(names.end(), {"strength_factor", "strength_displacement"});
+  }
   if (model_.lets_out) append_removed_names<dim>(model_.exit_sides, names);
   return names;
 }
@@ -161,6 +182,9 @@ std::vector<double> SoilReport<dim>::probes(const SoilState<dim>& state) const {
   for (const auto& force : state.wall_forces) append(std::span(force.data(), dim));
   append(state.rigid_wall_forces);
   append(state.gauges.values(state.points));
+  if (any_reduces_strength(model_.settings.phases)) {
+    append(std::vector{state.strength.highest(), state.strength.displacement()});
+  }
   if (model_.lets_out) {
     const PointTotals<dim>& removed = state.ledger.removed();
     append(std::vector{static_cast<double>(state.removed_points), removed.mass,
@@ -242,6 +266,7 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
       {"wall_seconds", times.seconds()}};
   if (const Json water = water_summary(model_); !water.is_null()) summary["water"] = water;
   append_ends(model_, state, summary);
+  if (state.strength.started()) summary["strength_reduction"] = strength_json(state.strength);
   if (num_ranks(model_.comm) > 1) summary["ranks"] = ranks(state, step);
   return summary;
 }

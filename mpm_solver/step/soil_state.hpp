@@ -9,6 +9,7 @@
 #include "common/mechanics/petsc/krylov_pause.hpp"
 #include "mpm_solver/contact/surfaces.hpp"
 #include "mpm_solver/gauges/gauges.hpp"
+#include "mpm_solver/phases/strength_reduction.hpp"
 #include "mpm_solver/ranks/point_ranks.hpp"
 #include "mpm_solver/step/ledger.hpp"
 #include "mpm_solver/step/soil_model.hpp"
@@ -49,6 +50,7 @@ struct SoilState {
   Surfaces<dim> surfaces;
   Ledger<dim> ledger;
   StepControl control;
+  StrengthSearch strength;
   Gauges<dim> gauges;
   std::vector<Vector<dim>> wall_forces;   ///< on SoilModel::wall_groups [N]
   std::vector<double> rigid_wall_forces;  ///< Surfaces::forces_on_walls

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/step/soil_step.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -31,6 +33,12 @@ template <int dim>
 bool takes_weight(const Vector<dim>& gravity, const Phase& phase, double time) {
   if (gravity.isZero(0)) return false;
   return !phase.dynamic || phase.gravity_ramp.runs(time);
+}
+
+void log_factor_of_safety(const StrengthSearch& search) {
+  log::info(
+      "factor of safety: equilibrium with F = {:.5g}, none with {:.5g}; displacement {:.3g} m",
+      search.highest(), search.failed(), search.displacement());
 }
 
 }  // namespace
@@ -82,10 +90,21 @@ void SoilStep<dim>::enter_phase(const StepRequest& request) {
             .forces_jump = forces_jump,
             .takes_weight = takes_weight(model_.settings.gravity, phase, time),
             .scheme = method_->scheme(phase, forces_jump)};
+  if (!phase.strength_reduction) return;
+  if (strength_.phase() != static_cast<int>(number)) {
+    strength_.start(*phase.strength_reduction, static_cast<int>(number));
+  }
+  start_.strength_factor = strength_.next(*phase.strength_reduction);
 }
 
 template <int dim>
 void SoilStep<dim>::begin(const StepRequest& request) {
+  begin_with(request, state_.strength);
+}
+
+template <int dim>
+void SoilStep<dim>::begin_with(const StepRequest& request, const StrengthSearch& search) {
+  strength_ = search;
   under_way_ = false;
   surplus_.forget();
   sizes_.begin(request);
@@ -144,6 +163,41 @@ StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValue
           "mpm_solver: iteration {} of step {}, from {} s with dt {} s, was asked for before its "
           "iteration 0",
           request.iteration, request.step, request.time, request.dt);
+  return phase().strength_reduction ? solve_weaker(request, received)
+                                    : solve_once(request, received);
+}
+
+// With the largest factor of strength that this step finds an equilibrium for.
+template <int dim>
+StepReport SoilStep<dim>::solve_weaker(const StepRequest& request,
+                                       const InterfaceValues& received) {
+  const StrengthReduction& settings = *phase().strength_reduction;
+  for (;;) {
+    const double factor = start_.strength_factor;
+    SlopeEnd reason = SlopeEnd::no_equilibrium;
+    std::string text;
+    try {
+      const StepReport report = solve_once(request, received);
+      const double largest = max_over_ranks(
+          model_.comm, largest_displacement(soil_.weights(), soil_.nodes(), method_->du()));
+      if (strength_.take(settings, largest)) return report;
+      reason = SlopeEnd::displacement;
+      text = fmt::format("points would move by {:.3g} m", strength_.displacement() + largest);
+    } catch (const ConvergenceError& error) {
+      if (!strength_.fail(settings, reason)) {
+        throw ConvergenceError(
+            fmt::format("strength divided by F = {:.5g}: {}", factor, error.what()), error.cause());
+      }
+      text = error.what();
+    }
+    if (reason == SlopeEnd::displacement) strength_.fail(settings, reason);
+    log::info("strength reduction: no equilibrium with F = {:.5g}: {}", factor, text);
+    begin_with(request, StrengthSearch(strength_));
+  }
+}
+
+template <int dim>
+StepReport SoilStep<dim>::solve_once(const StepRequest& request, const InterfaceValues& received) {
   state_.surfaces.receive(received);
   state_.surfaces.move_walls(request.time + request.dt);
   StepReport report;
@@ -193,6 +247,8 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   state_.surfaces.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
   method_->remember(state_);
+  if (strength_.found() && !state_.strength.found()) log_factor_of_safety(strength_);
+  state_.strength = strength_;
   under_way_ = false;
   AcceptReport report;
   report.details = details(cell_n);

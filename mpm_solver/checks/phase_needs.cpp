@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/checks/phase_needs.hpp"
+
+#include <fmt/format.h>
+
+#include <variant>
+
+#include "common/mechanics/materials/strength_reduction.hpp"
+
+namespace gabion::mpm {
+
+template <int dim>
+void check_explicit(const ConfigReader& in, const MpmSettings<dim>& settings) {
+  for (const Phase& phase : settings.phases) {
+    if (!phase.is_explicit()) continue;
+    if (method_in(settings.small_cuts, settings.grid.basis, true) == SmallCutMethod::ghost) {
+      in.fail("small_cuts", "found \"ghost\", allowed with explicit steps: none, mass_cutoff");
+    }
+    if (settings.tpic) {
+      in.fail("transfer", "found \"tpic\", allowed with explicit steps: flip");
+    }
+    const auto require_facets = [&](const std::string& key, const ContactSettings<dim>& surface) {
+      if (std::holds_alternative<FacetSettings>(surface.method)) return;
+      in.fail(key, "found \"boundary_points\", allowed with explicit steps: facets");
+    };
+    for (std::size_t k = 0; k < settings.interfaces.size(); ++k) {
+      require_facets(fmt::format("interfaces/{}/method", k), settings.interfaces[k]);
+    }
+    for (std::size_t k = 0; k < settings.rigid_walls.size(); ++k) {
+      require_facets(fmt::format("rigid_walls/{}/method", k), settings.rigid_walls[k].boundary);
+    }
+  }
+}
+
+template <int dim>
+void check_strength_reduction(const ConfigReader& in, const MpmSettings<dim>& settings) {
+  if (!any_reduces_strength(settings.phases)) return;
+  if (!settings.interfaces.empty()) {
+    in.fail("interfaces", "found together with \"strength_reduction\", allowed: rigid walls");
+  }
+  bool any = false;
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    const auto& material = settings.bodies[b].material;
+    const bool reducible = with_reduced_strength<dim>(material.law, 1).has_value();
+    any |= reducible;
+    if (reducible || is_elastic<dim>(material.law)) continue;
+    const bool softens = std::holds_alternative<SofteningSoil<dim>>(material.law);
+    in.fail(fmt::format("bodies/{}/material/law", b),
+            fmt::format("found \"{}\"{} together with \"strength_reduction\", allowed: "
+                        "mohr_coulomb, drucker_prager, tresca, without \"softening\", and elastic "
+                        "laws beside them",
+                        material.law_name, softens ? " with \"softening\"" : ""));
+  }
+  if (!any) {
+    in.fail("bodies",
+            "found elastic laws alone together with \"strength_reduction\", allowed: at "
+            "least one body of mohr_coulomb, drucker_prager or tresca");
+  }
+}
+
+template void check_explicit(const ConfigReader&, const MpmSettings<2>&);
+template void check_explicit(const ConfigReader&, const MpmSettings<3>&);
+template void check_strength_reduction(const ConfigReader&, const MpmSettings<2>&);
+template void check_strength_reduction(const ConfigReader&, const MpmSettings<3>&);
+
+}  // namespace gabion::mpm
