@@ -15,15 +15,19 @@ KeyTable strength_reduction_keys() {
            .in(positive())
            .or_else(defaults.from),
        key::number("to", "", "Largest F that is tried.").in(positive()).or_else(defaults.to),
-       key::number("increment", "", "Growth of F a step; halved after each failure.")
+       key::number("increment", "",
+                   "Growth of F a step; halved after each failure, and where a step takes more "
+                   "than an eighth of `max_displacement`.")
            .in(positive())
            .or_else(defaults.increment),
        key::number("tolerance", "", "Largest distance from an F with equilibrium to one without.")
            .in(positive())
            .or_else(defaults.tolerance),
        key::number("max_displacement", "m",
-                   "Displacement since `from` beyond which a step counts as failed: some percent "
-                   "of the height of the slope.")
+                   "Displacement since `from` beyond which a step counts as failed: about rho g "
+                   "H^2 / E with the height H of the slope, ten times that for soil without "
+                   "friction. Much more lets it slide until it is "
+                   "flat enough to rest, which is no factor of safety.")
            .in(positive())}};
 }
 

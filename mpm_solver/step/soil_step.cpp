@@ -185,6 +185,10 @@ StepReport SoilStep<dim>::solve_weaker(const StepRequest& request,
       const StepReport report = solve_once(request, received);
       const double largest = max_over_ranks(
           model_.comm, largest_displacement(soil_.weights(), soil_.nodes(), method_->du()));
+      if (strength_.shorten(settings, largest)) {
+        begin_with(request, StrengthSearch(strength_));
+        continue;
+      }
       if (strength_.take(settings, largest)) return report;
       reason = SlopeEnd::displacement;
       text = fmt::format("points would move by {:.3g} m", strength_.displacement() + largest);

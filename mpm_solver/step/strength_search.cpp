@@ -13,6 +13,9 @@ namespace {
 // Growth of the displacement by F, over the mean of the search, from which on the soil slides.
 constexpr double least_knee = 2;
 
+// Share of the largest displacement of a search that one step may take.
+constexpr double largest_share = 0.125;
+
 }  // namespace
 
 void StrengthSearch::start(const StrengthReduction& settings, int phase) {
@@ -35,6 +38,16 @@ double StrengthSearch::knee() const {
   if (!(displacement_ > 0)) return 0;
   const double rate = end() == SlopeEnd::displacement ? failed_rate_ : last_rate_;
   return rate * (highest_ - from_) / displacement_;
+}
+
+bool StrengthSearch::shorten(const StrengthReduction& settings, double displacement) {
+  if (!can_fail(settings) || displacement <= largest_share * settings.max_displacement) {
+    return false;
+  }
+  const double step = next(settings) - highest_;
+  if (step <= settings.tolerance) return false;
+  increment_ = step / 2;
+  return true;
 }
 
 bool StrengthSearch::take(const StrengthReduction& settings, double displacement) {

@@ -15,7 +15,8 @@ enum class SlopeEnd { none = 0, no_equilibrium = 1, displacement = 2 };
 
 /// Search for the largest factor with an equilibrium; part of the accepted state.
 ///
-/// Each step takes F + increment. A step without equilibrium, or with one beyond the largest
+/// Each step takes F + increment, or less where the soil moves by much on the way, since what it
+/// moves by depends on the way. A step without equilibrium, or with one beyond the largest
 /// displacement, is tried again with half the increment; one whose increment is no larger than the
 /// tolerance ends the search. From then on the strength is that of `from` again.
 class StrengthSearch {
@@ -24,6 +25,10 @@ class StrengthSearch {
   void start(const StrengthReduction& settings, int phase);
   int phase() const { return static_cast<int>(phase_); }
   bool started() const { return phase_ >= 0; }
+  /// Halves the increment where the step of next() moves the soil too far to know its way.
+  /// @param displacement  largest of a material point in the step [m]
+  /// @returns whether it did; false with increments of at most the tolerance
+  bool shorten(const StrengthReduction& settings, double displacement);
   /// Factor of the next step.
   double next(const StrengthReduction& settings) const;
   /// The bracket is as narrow as asked for, or `to` has an equilibrium.
