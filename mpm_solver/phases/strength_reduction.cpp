@@ -24,10 +24,9 @@ KeyTable strength_reduction_keys() {
            .in(positive())
            .or_else(defaults.tolerance),
        key::number("max_displacement", "m",
-                   "Displacement since `from` beyond which a step counts as failed: about rho g "
-                   "H^2 / E with the height H of the slope, ten times that for soil without "
-                   "friction. Much more lets it slide until it is "
-                   "flat enough to rest, which is no factor of safety.")
+                   "Displacement since `from` beyond which a step counts as failed: about 1 % of the "
+                   "height H of the slope, with a `young_modulus` of at least 5000 rho g H, which "
+                   "does not change the factor of safety.")
            .in(positive())}};
 }
 

@@ -2,6 +2,7 @@
 #include "mpm_solver/step/strength_search.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
@@ -12,6 +13,9 @@ namespace {
 
 // Growth of the displacement by F, over the mean of the search, from which on the soil slides.
 constexpr double least_knee = 2;
+
+// growth() above which the factor still depends on the largest displacement.
+constexpr double largest_growth = 0.01;
 
 // Share of the largest displacement of a search that one step may take.
 constexpr double largest_share = 0.125;
@@ -38,6 +42,23 @@ double StrengthSearch::knee() const {
   if (!(displacement_ > 0)) return 0;
   const double rate = end() == SlopeEnd::displacement ? failed_rate_ : last_rate_;
   return rate * (highest_ - from_) / displacement_;
+}
+
+double StrengthSearch::growth() const {
+  const auto at = [&](std::size_t k) -> std::pair<double, double> {
+    if (k < steps_.size()) return {steps_[k].at("displacement"), steps_[k].at("factor")};
+    return {displacement_ + failed_rate_ * (failed_ - highest_), failed_};
+  };
+  if (end() != SlopeEnd::displacement) return 0;
+  const std::size_t last = steps_.size();
+  const double half = at(last).first / 2;
+  for (std::size_t k = 1; k <= last; ++k) {
+    const auto [u, F] = at(k);
+    if (u <= half) continue;
+    const auto [u_n, F_n] = at(k - 1);
+    return 1 - (F_n + (F - F_n) * (half - u_n) / (u - u_n)) / at(last).second;
+  }
+  return 0;
 }
 
 bool StrengthSearch::shorten(const StrengthReduction& settings, double displacement) {
@@ -95,6 +116,7 @@ Json StrengthSearch::summary() const {
   if (!bracketed()) return json;
   json["ended_by"] = end() == SlopeEnd::displacement ? "displacement" : "no_equilibrium";
   json["knee"] = knee();
+  json["growth"] = growth();
   if (found()) json["factor_of_safety"] = 0.5 * (highest_ + failed_);
   return json;
 }
@@ -108,6 +130,13 @@ void StrengthSearch::log_result() const {
         "factor of safety: equilibrium with F = {:.5g}, none with {:.5g}; displacement {:.3g} m, "
         "by F {:.3g} times its mean: {}",
         highest_, failed_, displacement_, knee(), reason_.get<std::string>());
+    if (growth() > largest_growth) {
+      log::warn(
+          "strength reduction: F grew by {:.2g} % over the second half of the displacement, so it "
+          "depends on \"max_displacement\": give the soil a larger young_modulus, "
+          "which does not change the factor of safety",
+          100 * growth());
+    }
   } else {
     log::warn(
         "strength reduction: not solved with F = {:.5g}, but the soil did not slide before: with "

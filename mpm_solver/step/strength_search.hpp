@@ -61,6 +61,9 @@ class StrengthSearch {
   /// Displacement by F of the last step over that of the whole search; a last step that moved too
   /// far counts. 0: nothing moved.
   double knee() const;
+  /// Share by which F grew over the second half of the displacement, that of the last step, which
+  /// moved too far, included: small where the slope slides at a constant F. 0 with another end.
+  double growth() const;
 
   /// For summary.json, with the displacement at each F.
   Json summary() const;
