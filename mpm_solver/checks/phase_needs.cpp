@@ -7,6 +7,8 @@
 #include <string>
 #include <variant>
 
+#include "common/mechanics/materials/strength_reduction.hpp"
+
 namespace gabion::mpm {
 
 namespace {
@@ -58,12 +60,40 @@ void check_fluids(const ConfigReader& in, const MpmSettings<dim>& settings) {
   }
 }
 
+// Refuse laws whose strength cannot be reduced, elastic ones excepted, and interfaces.
+template <int dim>
+void check_strength_reduction(const ConfigReader& in, const MpmSettings<dim>& settings) {
+  if (!any_reduces_strength(settings.phases)) return;
+  if (!settings.interfaces.empty()) {
+    in.fail("interfaces", "found together with \"strength_reduction\", allowed: rigid walls");
+  }
+  bool any = false;
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    const auto& material = settings.bodies[b].material;
+    const bool reducible = with_reduced_strength<dim>(material.law, 1).has_value();
+    any |= reducible;
+    if (reducible || is_elastic<dim>(material.law)) continue;
+    const bool softens = std::holds_alternative<SofteningSoil<dim>>(material.law);
+    in.fail(fmt::format("bodies/{}/material/law", b),
+            fmt::format("found \"{}\"{} together with \"strength_reduction\", allowed: "
+                        "mohr_coulomb, drucker_prager, tresca, without \"softening\", and elastic "
+                        "laws beside them",
+                        material.law_name, softens ? " with \"softening\"" : ""));
+  }
+  if (!any) {
+    in.fail("bodies",
+            "found elastic laws alone together with \"strength_reduction\", allowed: at "
+            "least one body of mohr_coulomb, drucker_prager or tresca");
+  }
+}
+
 }  // namespace
 
 template <int dim>
 void check_phase_needs(const ConfigReader& in, const MpmSettings<dim>& settings) {
   check_explicit(in, settings);
   check_fluids(in, settings);
+  check_strength_reduction(in, settings);
 }
 
 template void check_phase_needs<2>(const ConfigReader&, const MpmSettings<2>&);

@@ -169,7 +169,10 @@ KeyTable phase_keys() {
        or_as_before(scheme_key(), "as in the run"),
        or_as_before(
            gravity_ramp_key("A ramp from the start of this phase; it continues in later ones."),
-           "that of the phase before")}};
+           "that of the phase before"),
+       key::object("strength_reduction", strength_reduction_keys(),
+                   "Search for the factor of safety, in a quasi-static phase.")
+           .or_none()}};
 }
 
 void read_ramp(ConfigReader& in, Phase& phase) {
@@ -188,6 +191,14 @@ void read_overrides(ConfigReader& in, int dim, Phase& phase) {
     read_scheme(*scheme, phase);
   }
   read_ramp(in, phase);
+  phase.strength_reduction.reset();
+  if (auto reduction = in.optional_object("strength_reduction")) {
+    phase.strength_reduction = read_strength_reduction(*reduction);
+    if (phase.dynamic) {
+      in.fail("strength_reduction",
+              "found in a phase with inertia, allowed: with \"analysis\": \"quasi_static\"");
+    }
+  }
 }
 
 void require_inertia(const ConfigReader& in, const Phase& phase) {
@@ -219,6 +230,11 @@ bool any_implicit(const std::vector<Phase>& phases) {
 bool any_explicit(const std::vector<Phase>& phases) {
   return std::any_of(phases.begin(), phases.end(),
                      [](const Phase& phase) { return phase.is_explicit(); });
+}
+
+bool any_reduces_strength(const std::vector<Phase>& phases) {
+  return std::any_of(phases.begin(), phases.end(),
+                     [](const Phase& phase) { return phase.strength_reduction.has_value(); });
 }
 
 std::vector<Key> phases_keys() {

@@ -9,6 +9,7 @@
 #include "common/mechanics/time_integration/newmark.hpp"
 #include "common/settings/config_reader.hpp"
 #include "mpm_solver/phases/load_ramp.hpp"
+#include "mpm_solver/phases/strength_reduction.hpp"
 #include "mpm_solver/walls/wall_conditions.hpp"
 
 namespace gabion::mpm {
@@ -39,6 +40,8 @@ struct Phase {
   /// them; resolve_rigid_walls() fills it.
   std::optional<std::vector<std::string>> rigid_walls;
   LoadRamp gravity_ramp;
+  /// Not set: full strength. Only in quasi-static phases.
+  std::optional<StrengthReduction> strength_reduction;
 
   bool is_explicit() const { return dynamic && courant.has_value(); }
 };
@@ -65,6 +68,9 @@ void resolve_rigid_walls(const ConfigReader& in, const std::vector<std::string>&
 
 /// Number of the phase of a step that starts at `time` [s].
 std::size_t phase_at(const std::vector<Phase>& phases, double time);
+
+/// Whether a phase looks for the factor of safety.
+bool any_reduces_strength(const std::vector<Phase>& phases);
 
 /// Whether a step that starts at `time` is the first one of the phase.
 bool begins(const Phase& phase, double time);

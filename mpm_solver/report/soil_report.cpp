@@ -140,6 +140,9 @@ std::vector<std::string> SoilReport<dim>::probe_names() const {
     names.push_back(name);
   }
   for (const auto& name : Gauges<dim>::names(settings.gauges)) names.push_back(name);
+  if (any_reduces_strength(settings.phases)) {
+    names.insert(names.end(), {"strength_factor", "strength_displacement"});
+  }
   if (model_.lets_out) append_removed_names<dim>(model_.exit_sides, names);
   return names;
 }
@@ -172,6 +175,9 @@ std::vector<double> SoilReport<dim>::probes(const SoilState<dim>& state) const {
   }
   append(state.boulders.values());
   append(state.gauges.values(state.points));
+  if (any_reduces_strength(model_.settings.phases)) {
+    append(std::vector{state.strength.highest(), state.strength.displacement()});
+  }
   if (model_.lets_out) {
     const PointTotals<dim>& removed = state.ledger.removed();
     append(std::vector{static_cast<double>(state.removed_points), removed.mass,
@@ -253,6 +259,10 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
       {"wall_seconds", times.seconds()}};
   if (const Json water = water_summary(model_); !water.is_null()) summary["water"] = water;
   append_ends(model_, state, summary);
+  if (state.strength.started()) {
+    summary["strength_reduction"] = state.strength.summary();
+    if (!state.strength.bracketed()) state.strength.log_result();
+  }
   if (num_ranks(model_.comm) > 1) summary["ranks"] = ranks(state, step);
   return summary;
 }

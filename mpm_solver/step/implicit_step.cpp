@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/log.hpp"
+#include "common/mechanics/materials/strength_reduction.hpp"
 #include "mpm_solver/step/first_guess.hpp"
 
 namespace gabion::mpm {
@@ -33,6 +34,7 @@ ImplicitStep<dim>::ImplicitStep(const Parts& parts)
 template <int dim>
 void ImplicitStep<dim>::begin(const StepStart& start) {
   start_ = start;
+  reduce_strength();
   const double end = start.time + start.dt;
   f_body_ = parts_.soil.body_forces(end);
   f_body_start_.clear();
@@ -43,6 +45,18 @@ void ImplicitStep<dim>::begin(const StepStart& start) {
       {.start = ramp.at(start.time) * settings.gravity, .end = ramp.at(end) * settings.gravity});
 }
 
+// Bodies with the strength of this step.
+template <int dim>
+void ImplicitStep<dim>::reduce_strength() {
+  weaker_.clear();
+  if (start_.strength_factor == 1) return;
+  weaker_ = parts_.model.settings.bodies;
+  for (Body<dim>& body : weaker_) {
+    auto law = with_reduced_strength<dim>(body.material.law, start_.strength_factor);
+    if (law) body.material.law = *std::move(law);
+  }
+}
+
 template <int dim>
 void ImplicitStep<dim>::make_equilibrium(const Gravity& gravity) {
   const ScopedTimer timer(parts_.times, "pattern");
@@ -51,7 +65,7 @@ void ImplicitStep<dim>::make_equilibrium(const Gravity& gravity) {
   equilibrium_.emplace(typename Equilibrium<dim>::Parts{
       .comm = model.comm,
       .grid = model.grid,
-      .bodies = model.settings.bodies,
+      .bodies = weaker_.empty() ? model.settings.bodies : weaker_,
       .points = state.points,
       .weights = parts_.soil.weights(),
       .nodes = parts_.soil.nodes(),

@@ -51,6 +51,7 @@ class ImplicitStep : public StepMethod<dim> {
   };
   void make_equilibrium(const Gravity& gravity);
   LinearRegime regime() const;
+  void reduce_strength();
   NewtonReport solve_balance(const StepRequest& request);
   /// Newton's method from the start of a step (`first`), or from the last solution.
   virtual NewtonReport iterate(bool first, const NewtonSettings& settings);
@@ -61,6 +62,7 @@ class ImplicitStep : public StepMethod<dim> {
 
   // the current step
   StepStart start_;
+  std::vector<Body<dim>> weaker_;              // with reduced strength; empty: as in the settings
   int first_iterations_ = 0;                   // of Newton's method, of the first solution
   std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
   std::optional<Equilibrium<dim>> equilibrium_;

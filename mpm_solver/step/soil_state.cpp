@@ -287,6 +287,7 @@ void SoilState<dim>::visit(StateVisitor& visitor) {
   visitor.real("contact_rate", contact_rate);
   pause.visit_state(visitor);
   control.visit_state(visitor);
+  strength.visit_state(visitor);
   gauges.visit_state(visitor);
 }
 

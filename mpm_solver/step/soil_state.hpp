@@ -13,6 +13,7 @@
 #include "mpm_solver/ranks/point_ranks.hpp"
 #include "mpm_solver/step/ledger.hpp"
 #include "mpm_solver/step/soil_model.hpp"
+#include "mpm_solver/step/strength_search.hpp"
 #include "mpm_solver/step_sizes/step_control.hpp"
 
 namespace gabion::mpm {
@@ -51,6 +52,7 @@ struct SoilState {
   Boulders<dim> boulders;
   Ledger<dim> ledger;
   StepControl control;
+  StrengthSearch strength;
   Gauges<dim> gauges;
   std::vector<Vector<dim>> wall_forces;   ///< on SoilModel::wall_groups [N]
   std::vector<double> rigid_wall_forces;  ///< Surfaces::forces_on_walls

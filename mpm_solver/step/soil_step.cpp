@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/step/soil_step.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -93,10 +95,21 @@ void SoilStep<dim>::enter_phase(const StepRequest& request) {
             .forces_jump = forces_jump,
             .takes_weight = takes_weight(model_.settings.gravity, phase, time),
             .scheme = method_->scheme(phase, forces_jump)};
+  if (!phase.strength_reduction) return;
+  if (strength_.phase() != static_cast<int>(number)) {
+    strength_.start(*phase.strength_reduction, static_cast<int>(number));
+  }
+  start_.strength_factor = strength_.next(*phase.strength_reduction);
 }
 
 template <int dim>
 void SoilStep<dim>::begin(const StepRequest& request) {
+  begin_with(request, state_.strength);
+}
+
+template <int dim>
+void SoilStep<dim>::begin_with(const StepRequest& request, const StrengthSearch& search) {
+  strength_ = search;
   under_way_ = false;
   surplus_.forget();
   sizes_.begin(request);
@@ -181,6 +194,47 @@ StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValue
           "mpm_solver: iteration {} of step {}, from {} s with dt {} s, was asked for before its "
           "iteration 0",
           request.iteration, request.step, request.time, request.dt);
+  return phase().strength_reduction ? solve_weaker(request, received)
+                                    : solve_once(request, received);
+}
+
+// With the largest factor of strength that this step finds an equilibrium for. The end of a search
+// is known of the accepted state, whatever becomes of this step.
+template <int dim>
+StepReport SoilStep<dim>::solve_weaker(const StepRequest& request,
+                                       const InterfaceValues& received) {
+  const StrengthReduction& settings = *phase().strength_reduction;
+  for (;;) {
+    const double factor = start_.strength_factor;
+    SlopeEnd reason = SlopeEnd::no_equilibrium;
+    std::string text;
+    try {
+      const StepReport report = solve_once(request, received);
+      const double largest = max_over_ranks(
+          model_.comm, largest_displacement(soil_.weights(), soil_.nodes(), method_->du()));
+      if (strength_.shorten(settings, largest)) {
+        begin_with(request, StrengthSearch(strength_));
+        continue;
+      }
+      if (strength_.take(settings, largest)) return report;
+      reason = SlopeEnd::displacement;
+      text = fmt::format("points would move by {:.3g} m", strength_.displacement() + largest);
+    } catch (const ConvergenceError& error) {
+      text = fmt::format("strength divided by F = {:.5g}: {}", factor, error.what());
+      if (!strength_.can_fail(settings)) throw ConvergenceError(text, error.cause());
+    }
+    strength_.fail(settings, reason, text);
+    log::info("strength reduction: no equilibrium with F = {:.5g}: {}", factor, text);
+    if (strength_.bracketed()) {
+      strength_.log_result();
+      state_.strength = strength_;
+    }
+    begin_with(request, StrengthSearch(strength_));
+  }
+}
+
+template <int dim>
+StepReport SoilStep<dim>::solve_once(const StepRequest& request, const InterfaceValues& received) {
   state_.surfaces.receive(received);
   state_.surfaces.move_walls(request.time + request.dt);
   StepReport report =
@@ -259,6 +313,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   state_.boulders.accept();
   state_.ledger.set_contact_energy(state_.surfaces.energy());
   method_->remember(state_);
+  state_.strength = strength_;
   under_way_ = false;
   AcceptReport report;
   report.details = details(cell_n);

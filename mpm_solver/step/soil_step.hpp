@@ -70,6 +70,9 @@ class SoilStep {
  private:
   StepMethod<dim>& method_of(const Phase& phase);
   void enter_phase(const StepRequest& request);
+  StepReport solve_once(const StepRequest& request, const InterfaceValues& received);
+  StepReport solve_weaker(const StepRequest& request, const InterfaceValues& received);
+  void begin_with(const StepRequest& request, const StrengthSearch& search);
   void begin_at_rest(const Vector<dim>& gravity, double deepest_row);
   SoilSurface<dim> surface_of_soil() const;
   void map_soil();
@@ -99,6 +102,7 @@ class SoilStep {
   // the current step, or the last one
   bool under_way_ = false;
   StepStart start_;
+  StrengthSearch strength_;             // after the current step
   std::vector<double> pore_pressures_;  // SoilSurface::pore_pressures
   SparseList<char> occupied_;           // SoilOnGrid::occupied_cells; empty where nobody asks
   SurplusWays<dim> surplus_;

@@ -22,13 +22,14 @@ inline constexpr NewmarkBossak starting_scheme = {.beta = 0.5, .gamma = 1};
 
 /// A step that begins.
 struct StepStart {
-  double time = 0;            ///< of the accepted state [s]
-  double dt = 0;              ///< [s]
-  std::size_t phase = 0;      ///< number in MpmSettings::phases
-  bool with_inertia = true;   ///< false: quasi-static
-  bool forces_jump = false;   ///< its forces are not those before it: no acceleration is known
-  bool takes_weight = false;  ///< SoilSurface::takes_weight
-  NewmarkBossak scheme = {};  ///< StepMethod::scheme
+  double time = 0;             ///< of the accepted state [s]
+  double dt = 0;               ///< [s]
+  std::size_t phase = 0;       ///< number in MpmSettings::phases
+  bool with_inertia = true;    ///< false: quasi-static
+  bool forces_jump = false;    ///< its forces are not those before it: no acceleration is known
+  bool takes_weight = false;   ///< SoilSurface::takes_weight
+  NewmarkBossak scheme = {};   ///< StepMethod::scheme
+  double strength_factor = 1;  ///< by which strengths are divided
 };
 
 /// What the end of a step needs of its last solution.

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "common/mechanics/materials/strength_reduction.hpp"
+#include "mpm_solver/step/strength_search.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/unit/mpm/mpm_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+constexpr double modulus = 1e9;
+
+Json clay(double cohesion) {
+  Json material = elastic_soil("tresca", modulus, 0.3, 2000);
+  material["cohesion"] = cohesion;
+  return material;
+}
+
+Json loam(double cohesion) {
+  Json material = elastic_soil("mohr_coulomb", modulus, 0.3, 2000);
+  material["cohesion"] = cohesion;
+  material["friction_angle"] = 20;
+  material["dilation_angle"] = 0;
+  return material;
+}
+
+/// A vertical cut of 4 m above a layer of 4 m, in cells of 1 m.
+Json vertical_cut(const Json& material, const Json& reduction) {
+  return {{"dimension", 2},
+          {"analysis", "quasi_static"},
+          {"basis", "linear"},
+          {"grid", box({0, 0}, {12, 10}, {12, 10}, "quad4")},
+          {"walls", {wall("bottom", "fixed"), wall("left", "slip"), wall("right", "slip")}},
+          {"gravity", {0, -10}},
+          {"bodies",
+           {body("base", box({0, 0}, {12, 4}, {12, 4}, "quad4"), 4, material),
+            body("bench", box({6, 4}, {12, 8}, {6, 4}, "quad4"), 4, material)}},
+          {"phases", {{{"strength_reduction", reduction}}}}};
+}
+
+/// A search that ends at a displacement of 1 % of the height of the cut.
+Json search(double from, double increment, double tolerance) {
+  return {{"from", from},
+          {"increment", increment},
+          {"tolerance", tolerance},
+          {"max_displacement", 0.04}};
+}
+
+/// The search of a scene to its end. The last solution is rejected: its result remains.
+Json factor_of_safety(const Json& scene) {
+  const auto solver = make_mpm(scene);
+  const auto result = [&] { return solver->summary().at("strength_reduction"); };
+  for (int k = 0; k < 80; ++k) {
+    const StepRequest request{k + 1, 0, static_cast<double>(k), 1};
+    InterfaceValues sent;
+    solver->solve_step(request, {}, sent);
+    if (k > 0 && result().at("verdict") != "no_failure") {
+      solver->reject_step();
+      break;
+    }
+    solver->accept_step(request, true);
+  }
+  return result();
+}
+
+/// The bracket does not depend on where the search begins, also where the soil yields already, on
+/// its increment, the stiffness of the soil or the tolerance of Newton's method: all of them have a
+/// common factor, but for the tolerance of the bracket.
+/// @param late  near the failure
+void expect_agreement(const Json& soil, double late) {
+  double low = 0, high = 1e9;
+  const auto add = [&](const Json& scene) {
+    const Json found = factor_of_safety(scene);
+    ASSERT_EQ(found.at("verdict"), "failure") << found;
+    const double with = found.at("equilibrium_with"), without = found.at("none_with");
+    EXPECT_GT(without, with);
+    EXPECT_LE(without - with, 0.02 * (1 + 1e-9));
+    EXPECT_EQ(found.at("steps").back().at("factor"), with);
+    EXPECT_EQ(found.at("steps").back().at("displacement"), found.at("displacement"));
+    EXPECT_LT(found.at("growth"), 0.01);
+    low = std::max(low, with);
+    high = std::min(high, without);
+  };
+  add(vertical_cut(soil, search(0.5, 0.2, 0.02)));
+  add(vertical_cut(soil, search(0.4, 0.3, 0.02)));
+  add(vertical_cut(soil, search(0.6, 0.07, 0.01)));
+  add(vertical_cut(soil, search(0.5, 0.2, 0.01)));
+  add(vertical_cut(soil, search(late, 0.2, 0.01)));
+  Json stiff = soil;
+  stiff["young_modulus"] = 4 * modulus;
+  add(vertical_cut(stiff, search(0.5, 0.2, 0.02)));
+  Json fine = vertical_cut(soil, search(0.6, 0.2, 0.02));
+  fine["newton"] = {{"residual_tolerance", 1e-8}};
+  add(fine);
+  EXPECT_LT(low - high, 0.02);
+}
+
+TEST(StrengthReduction, brackets_of_a_cut_in_clay_agree) {
+  expect_agreement(clay(25e3), 1.1);
+}
+
+TEST(StrengthReduction, brackets_of_a_cut_with_friction_agree) {
+  expect_agreement(loam(15e3), 1.1);
+}
+
+/// A rigid wall that props the cut makes it safer.
+TEST(StrengthReduction, a_rigid_wall_props_a_vertical_cut) {
+  Json scene = vertical_cut(clay(25e3), search(0.6, 0.2, 0.02));
+  const double alone = factor_of_safety(scene).at("none_with");
+  const Json surface = {{"polyline", {{6, 4.25}, {6, 8}}}, {"spacing", 0.5}};
+  scene["rigid_walls"] = {{{"name", "prop"}, {"surface", surface}, {"mode", "slip"}}};
+  EXPECT_GT(factor_of_safety(scene).at("equilibrium_with"), alone + 0.1);
+}
+
+/// F = N c / (gamma H) is proportional to the strength.
+TEST(StrengthReduction, factor_is_proportional_to_the_strength) {
+  const auto factor = [](double cohesion, double share) {
+    const Json settings = search(0.6 * share, 0.2 * share, 0.02 * share);
+    return factor_of_safety(vertical_cut(clay(cohesion), settings))
+        .at("factor_of_safety")
+        .get<double>();
+  };
+  const double one = factor(25e3, 1);
+  EXPECT_NEAR(factor(50e3, 2), 2 * one, 0.04);
+}
+
+TEST(StrengthReduction, what_cannot_be_reduced_is_refused_by_name) {
+  const auto read = [](const Json& material) {
+    return [=] { mpm_settings<2>(vertical_cut(material, search(1, 0.1, 0.01))); };
+  };
+  read(clay(25e3))();
+  expect_error<ConfigError>(read(elastic_soil("hencky_elastic", 1e8, 0.3, 2000)),
+                            {"/bodies", "elastic laws alone"});
+  Json mud = elastic_soil("herschel_bulkley", 1e6, 0.3, 1800);
+  mud["yield_stress"] = 100;
+  mud["consistency"] = 10;
+  expect_error<ConfigError>(read(mud), {"/bodies/0/material/law", "herschel_bulkley"});
+}
+
+TEST(StrengthReduction, inertia_is_refused) {
+  Json json = vertical_cut(clay(25e3), search(1, 0.1, 0.01));
+  json["analysis"] = "dynamic";
+  expect_error<ConfigError>([&] { mpm_settings<2>(json); },
+                            {"/phases/0/strength_reduction", "quasi_static"});
+}
+
+TEST(StrengthReduction, keeps_apex_and_associated_flow) {
+  const MohrCoulomb<2> law(1e6, 1e6, 0.5, 0.5, 1e3);
+  const auto weaker = with_reduced_strength<2>(MaterialLaw<2>(law), 1.4);
+  ASSERT_TRUE(weaker.has_value());
+  const auto& p = std::get<MohrCoulomb<2>>(*weaker).parameters();
+  EXPECT_NEAR(std::tan(p.friction_angle), std::tan(0.5) / 1.4, 1e-15);
+  EXPECT_EQ(p.friction_angle, p.dilation_angle);
+  EXPECT_NEAR(p.cohesion / std::tan(p.friction_angle), 1e3 / std::tan(0.5), 1e-9);
+  EXPECT_FALSE(with_reduced_strength<2>(MaterialLaw<2>(HenckyElastic<2>{1e6, 1e6}), 1.4));
+}
+
+/// A search up to 1.7 from 1, with the displacement of a step from one F to another.
+template <class Displacement>
+mpm::StrengthSearch searched(const Displacement& displacement) {
+  const mpm::StrengthReduction settings{
+      .from = 1, .to = 3, .increment = 0.5, .tolerance = 0.01, .max_displacement = 1};
+  mpm::StrengthSearch search;
+  search.start(settings, 0);
+  for (int k = 0; k < 200 && !search.bracketed(); ++k) {
+    const double next = search.next(settings);
+    if (next > 1.7) {
+      EXPECT_TRUE(search.can_fail(settings));
+      search.fail(settings, mpm::SlopeEnd::no_equilibrium, "iteration limit");
+    } else {
+      EXPECT_TRUE(search.take(settings, displacement(search.highest(), next)));
+    }
+  }
+  EXPECT_EQ(search.next(settings), 1);
+  return search;
+}
+
+/// Halving after failures ends with a bracket no wider than the tolerance.
+TEST(StrengthReduction, search_halves_the_increment) {
+  const auto search = searched([](double from, double to) { return 1e-3 * (to - from); });
+  EXPECT_LE(search.highest(), 1.7);
+  EXPECT_GT(search.failed(), 1.7);
+  EXPECT_LE(search.failed() - search.highest(), 0.01);
+}
+
+/// Where soil does not slide more and more, Newton's method gave up: no factor of safety is given.
+TEST(StrengthReduction, failure_is_told_from_what_was_not_solved) {
+  const Json even = searched([](double from, double to) { return 1e-3 * (to - from); }).summary();
+  EXPECT_EQ(even.at("verdict"), "not_solved");
+  EXPECT_EQ(even.at("reason"), "iteration limit");
+  EXPECT_FALSE(even.contains("factor_of_safety"));
+  const auto sliding = [](double F) { return 1e-3 / (1.71 - F); };
+  const Json slid =
+      searched([&](double from, double to) { return sliding(to) - sliding(from); }).summary();
+  EXPECT_EQ(slid.at("verdict"), "failure");
+  EXPECT_NEAR(slid.at("factor_of_safety").get<double>(), 1.7, 0.01);
+}
+
+/// Nothing that is known of a search that has not begun or is over.
+TEST(StrengthReduction, failures_outside_of_a_search_are_refused) {
+  const mpm::StrengthReduction settings{.max_displacement = 1};
+  mpm::StrengthSearch search;
+  search.start(settings, 0);
+  EXPECT_FALSE(search.can_fail(settings));
+  expect_error<Error>([&] { search.fail(settings, mpm::SlopeEnd::no_equilibrium, "no"); },
+                      {"outside of the search"});
+}
+
+}  // namespace
+}  // namespace gabion::test
