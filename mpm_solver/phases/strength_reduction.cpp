@@ -23,10 +23,11 @@ KeyTable strength_reduction_keys() {
        key::number("tolerance", "", "Largest distance from an F with equilibrium to one without.")
            .in(positive())
            .or_else(defaults.tolerance),
-       key::number("max_displacement", "m",
-                   "Displacement since `from` beyond which a step counts as failed: about 1 % of the "
-                   "height H of the slope, with a `young_modulus` of at least 5000 rho g H, which "
-                   "does not change the factor of safety.")
+       key::number(
+           "max_displacement", "m",
+           "Displacement since `from` beyond which a step counts as failed: about 1 % of the "
+           "height H of the slope, with a `young_modulus` of at least 5000 rho g H, which "
+           "does not change the factor of safety.")
            .in(positive())}};
 }
 
