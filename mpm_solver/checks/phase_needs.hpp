@@ -8,7 +8,7 @@ namespace gabion::mpm {
 
 /// What the kinds of phases can do: explicit steps have no ghost stiffness, `tpic` or
 /// `boundary_points`, fluids have no quasi-static state, ghost stiffness or pore water, and
-/// strength reduction needs laws with c and phi, and no interfaces.
+/// strength reduction needs laws with c and phi, the basis `linear` and no interfaces.
 /// @throws ConfigError
 template <int dim>
 void check_phase_needs(const ConfigReader& in, const MpmSettings<dim>& settings);

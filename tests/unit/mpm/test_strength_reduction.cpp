@@ -142,6 +142,14 @@ TEST(StrengthReduction, what_cannot_be_reduced_is_refused_by_name) {
   expect_error<ConfigError>(read(mud), {"/bodies/0/material/law", "herschel_bulkley"});
 }
 
+TEST(StrengthReduction, wide_bases_are_refused) {
+  for (const char* basis : {"gimp", "bspline"}) {
+    Json json = vertical_cut(clay(25e3), search(1, 0.1, 0.01));
+    json["basis"] = basis;
+    expect_error<ConfigError>([&] { mpm_settings<2>(json); }, {"/basis", basis, "linear"});
+  }
+}
+
 TEST(StrengthReduction, inertia_is_refused) {
   Json json = vertical_cut(clay(25e3), search(1, 0.1, 0.01));
   json["analysis"] = "dynamic";
