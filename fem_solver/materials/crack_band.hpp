@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/mechanics/tensor.hpp"
 
@@ -14,15 +15,18 @@ struct CrackBand {
   Matrix<dim> edges = Matrix<dim>::Zero();  ///< as columns [m]; zero: simplices
   double mean = 0;  ///< of simplices, and of the other axis in the plane [m]
 
-  /// Length of the edge that the normal n of a crack follows most [m]. It jumps with n, so that it
-  /// adds nothing to derivatives; zero: normal to the plane.
+  /// Length of the edge whose direction is nearest to the normal n of a crack [m]. It jumps with n,
+  /// so that it adds nothing to derivatives; zero: normal to the plane.
   double width(const Vector<dim>& n) const {
-    const Vector<dim> along = (edges.transpose() * n).cwiseAbs();
-    int widest = 0;
-    for (int i = 1; i < dim; ++i) {
-      if (along[i] > along[widest]) widest = i;
+    int nearest = -1;
+    double most = 0;
+    for (int i = 0; i < dim; ++i) {
+      const double length = edges.col(i).norm();
+      if (!(std::abs(edges.col(i).dot(n)) > most * length)) continue;
+      most = std::abs(edges.col(i).dot(n)) / length;
+      nearest = i;
     }
-    return along[widest] > 0 ? edges.col(widest).norm() : mean;
+    return nearest >= 0 ? edges.col(nearest).norm() : mean;
   }
   double largest() const { return std::max(mean, edges.colwise().norm().maxCoeff()); }
 };

@@ -144,6 +144,17 @@ double read_length_ratio(ConfigReader& in, double stiffness) {
   return 1 / (1 + strain);
 }
 
+// The strain at the start may not make a bar yield: what it took would be known to nobody.
+void check_elastic_start(const ConfigReader& in, const LineMaterial& bar) {
+  const double limit = bar.hardening->yield_stress(0);
+  const double stress = bar.young_modulus * (1 / bar.length_ratio - 1);
+  if (std::abs(stress) <= limit) return;
+  in.fail(in.has("pretension") ? "pretension" : "length_ratio",
+          fmt::format("found a stress of {:.6g} Pa at the start, allowed: up to the first yield "
+                      "stress, {:.6g} Pa",
+                      stress, limit));
+}
+
 }  // namespace
 
 LineMaterial read_line_material(ConfigReader in) {
@@ -160,6 +171,7 @@ LineMaterial read_line_material(ConfigReader in) {
     material.hardening = read_hardening(in);
     material.kinematic_modulus = in.number("kinematic_modulus");
     check_yield(in, *material.hardening, material.young_modulus, material.kinematic_modulus);
+    check_elastic_start(in, material);
   }
   if (material.law_name == "brake") {
     material.brake = read_brake(in);

@@ -69,6 +69,10 @@ void warn_of_units(const ConfigReader& in, const TensionCurve& tension,
     log::warn("{}: found {} J/m^2; concrete takes some 100; units?", in.where("fracture_energy"),
               tension.fracture_energy);
   }
+  if (crushing.strain_at_strength > 0.02) {
+    log::warn("{}: found {}; concrete has its strength at some 0.002; per mille?",
+              in.where("strain_at_strength"), crushing.strain_at_strength);
+  }
   if (crushing.crushing_energy < tension.fracture_energy) {
     log::warn("{}: found {} J/m^2, below fracture_energy = {} J/m^2; units?",
               in.where("crushing_energy"), crushing.crushing_energy, tension.fracture_energy);

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "common/base/error.hpp"
@@ -36,9 +37,22 @@ bool do_meet(const Vector<2>& a, const Vector<2>& b, const Vector<2>& c, const V
          cross(c, d, a) * cross(c, d, b) <= 0;
 }
 
-// Whether the side from b to c lies on that from a to b.
+// Whether the side from b to c lies on that from a to b, to within rounding.
 bool folds_back(const Vector<2>& a, const Vector<2>& b, const Vector<2>& c) {
-  return cross(a, b, c) == 0 && (b - a).dot(c - b) <= 0;
+  constexpr double rounding = 1e-12;
+  return std::abs(cross(a, b, c)) <= rounding * (b - a).norm() * (c - b).norm() &&
+         (b - a).dot(c - b) <= 0;
+}
+
+void require_different_corners(const Polygon& polygon) {
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Vector<2>& x = polygon[k];
+    if (x != corner(polygon, k + 1)) continue;
+    throw ConfigError(fmt::format(
+        "found the corner ({}, {}) twice in a row, allowed: each corner once; the last side goes "
+        "back to the first one",
+        x[0], x[1]));
+  }
 }
 
 }  // namespace
@@ -72,6 +86,7 @@ double distance_to(const Polygon& polygon, const Vector<2>& x) {
 }
 
 void require_simple(const Polygon& polygon) {
+  require_different_corners(polygon);
   const std::size_t n = polygon.size();
   for (std::size_t i = 0; i < n; ++i) {
     const Vector<2>&a = polygon[i], &b = corner(polygon, i + 1);

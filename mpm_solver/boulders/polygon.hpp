@@ -18,7 +18,8 @@ bool is_inside(const Polygon& polygon, const Vector<2>& x);
 /// From its nearest side [m].
 double distance_to(const Polygon& polygon, const Vector<2>& x);
 
-/// @throws ConfigError  two sides meet elsewhere than in a corner that they share: which, where
+/// @throws ConfigError  a corner stands twice in a row, or two sides meet elsewhere than in a corner
+///                      that they share: which, where
 void require_simple(const Polygon& polygon);
 
 }  // namespace gabion::mpm

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/step/soil_step.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -196,41 +194,6 @@ StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValue
           request.iteration, request.step, request.time, request.dt);
   return phase().strength_reduction ? solve_weaker(request, received)
                                     : solve_once(request, received);
-}
-
-// With the largest factor of strength that this step finds an equilibrium for. The end of a search
-// is known of the accepted state, whatever becomes of this step.
-template <int dim>
-StepReport SoilStep<dim>::solve_weaker(const StepRequest& request,
-                                       const InterfaceValues& received) {
-  const StrengthReduction& settings = *phase().strength_reduction;
-  for (;;) {
-    const double factor = start_.strength_factor;
-    SlopeEnd reason = SlopeEnd::no_equilibrium;
-    std::string text;
-    try {
-      const StepReport report = solve_once(request, received);
-      const double largest = max_over_ranks(
-          model_.comm, largest_displacement(soil_.weights(), soil_.nodes(), method_->du()));
-      if (strength_.shorten(settings, largest)) {
-        begin_with(request, StrengthSearch(strength_));
-        continue;
-      }
-      if (strength_.take(settings, largest)) return report;
-      reason = SlopeEnd::displacement;
-      text = fmt::format("points would move by {:.3g} m", strength_.displacement() + largest);
-    } catch (const ConvergenceError& error) {
-      text = fmt::format("strength divided by F = {:.5g}: {}", factor, error.what());
-      if (!strength_.can_fail(settings)) throw ConvergenceError(text, error.cause());
-    }
-    strength_.fail(settings, reason, text);
-    log::info("strength reduction: no equilibrium with F = {:.5g}: {}", factor, text);
-    if (strength_.bracketed()) {
-      strength_.log_result();
-      state_.strength = strength_;
-    }
-    begin_with(request, StrengthSearch(strength_));
-  }
 }
 
 template <int dim>

@@ -215,6 +215,7 @@ TEST(CrackBand, follows_the_normal) {
   const CrackBand<2> band{.edges = Matrix<2>{{0.2, 0}, {0, 0.05}}, .mean = 0.1};
   EXPECT_DOUBLE_EQ(band.width({1, 0}), 0.2);
   EXPECT_DOUBLE_EQ(band.width({-0.8, 0.6}), 0.2);
+  EXPECT_DOUBLE_EQ(band.width({0.6, 0.8}), 0.05);  // though the long edge reaches farther along it
   EXPECT_DOUBLE_EQ(band.width({0, -1}), 0.05);
   EXPECT_DOUBLE_EQ(band.width({0, 0}), 0.1);  // normal to the plane
   EXPECT_DOUBLE_EQ(band.largest(), 0.2);

@@ -50,6 +50,25 @@ TEST(CrackingStructure, slender_cells) {
   }
 }
 
+/// A slender cell that is turned tears along its length all the same.
+TEST(CrackingStructure, slender_cell_that_is_turned) {
+  for (const double angle : {0.0, 0.15, 0.26}) {
+    const double length = 0.05, height = 0.5;
+    GmshText file = strip(length, height, 1);
+    for (auto& x : file.nodes) {
+      x = {std::cos(angle) * x[0] - std::sin(angle) * x[1],
+           std::sin(angle) * x[0] + std::cos(angle) * x[1], 0};
+    }
+    const TemporaryMesh mesh(file);
+    Json json = pulled_strip(mesh.path(), 1, 0);
+    json["prescribed"] = {{{"group", "right"}, {"component", "x"}, {"table", {{0, 0}, {1, 6e-4}}}},
+                          {{"group", "right"}, {"component", "y"}, {"table", {{0, 0}}}}};
+    const auto solver = fem_solver<2>(json);
+    for (int n = 1; n <= 120; ++n) advance(*solver, n, 1.0 / 120);
+    EXPECT_NEAR(probe(*solver, "damage_work"), 100 * height, 0.05 * 100 * height) << angle;
+  }
+}
+
 TEST(CrackingStructure, triangles_and_space) {
   for (const std::string type : {"tri3", "hex8"}) {
     Json material = concrete("");
@@ -116,6 +135,13 @@ TEST(CrackingStructure, bars_of_steel) {
   const double more = std::max((-trial - (limit + H_i * plastic)) / (E + H), 0.0);
   EXPECT_NEAR(probe(*solver, "stress_min_steel"), -E * (plastic - more), 1);
   EXPECT_EQ(probe(*solver, "plastic_strain"), probe(*solver, "plastic_strain_steel"));
+
+  json["materials"].back()["pretension"] = 1.6 * limit * area;
+  expect_error<ConfigError>([&] { fem_solver<2>(json); },
+                            {"/materials/1/pretension", "8e+08 Pa", "5e+08 Pa"});
+  json["materials"].back().erase("pretension");
+  json["materials"].back()["length_ratio"] = 0.99;
+  expect_error<ConfigError>([&] { fem_solver<2>(json); }, {"/materials/1/length_ratio"});
 }
 
 /// A run that saved its state goes on as the one that starts from it, to the bit.
