@@ -40,6 +40,38 @@ void check_layout(const ConfigReader& in, const MpmSettings<dim>& settings, std:
   }
 }
 
+// Longest side of the cells by their shortest, both by the spacing of the grid.
+template <int dim>
+double slenderness(const Mesh<dim>& mesh, const BoxGrid<dim>& grid) {
+  double largest = 1;
+  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
+    Vector<dim> low = mesh.nodes[mesh.cell(c)[0]], high = low;
+    for (const std::int32_t node : mesh.cell(c)) {
+      low = low.cwiseMin(mesh.nodes[node]);
+      high = high.cwiseMax(mesh.nodes[node]);
+    }
+    const Vector<dim> sides = (high - low).cwiseQuotient(grid.spacing);
+    largest = std::max(largest, sides.maxCoeff() / sides.minCoeff());
+  }
+  return largest;
+}
+
+// Points that are much farther apart along one axis than along another have no neighbours within
+// the reach in which the soil's surface is found.
+template <int dim>
+void check_cells(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
+  const Mesh<dim>& mesh = settings.layouts[b].mesh;
+  if (!settings.bodies[b].water->seepage_face || is_simplex(mesh.cell_type)) return;
+  constexpr double most = dim == 2 ? 4 : 3;
+  const double found = slenderness(mesh, *settings.grid.box);
+  if (found <= most * (1 + rounding)) return;
+  in.fail(fmt::format("bodies/{}/mesh", b),
+          fmt::format("found cells with sides of 1 to {:g}, by the spacing of the grid, with "
+                      "\"free_surface\" \"seepage_face\", allowed: up to 1 to {:g}; the soil's "
+                      "surface is found from its points",
+                      found, most));
+}
+
 // All pores are full: the table is not below the top of the body. There is one table.
 template <int dim>
 void check_start(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
@@ -157,6 +189,7 @@ void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings) {
     if (!drains(settings.bodies[b])) continue;
     if (!first) first = b;
     check_layout(in, settings, b);
+    check_cells(in, settings, b);
     check_start(in, settings, b);
     check_density(in, settings, *first, b);
   }

@@ -261,6 +261,21 @@ TEST(SeepageFace, is_on_top_only_however_points_are_laid) {
   EXPECT_NEAR(outflow_of(json, 3), regular_in_space, 0.01 * regular_in_space);
 }
 
+/// The surface of still slimmer cells would not be found.
+TEST(SeepageFace, slim_cells_are_refused) {
+  Json json = layer_scene({});
+  json["bodies"][0]["mesh"] = box({0, 0}, {0.1, 1}, {5, 10}, "quad4");
+  expect_error<ConfigError>([&] { mpm_settings<2>(json); },
+                            {"/bodies/0/mesh", "1 to 5", "1 to 4", "seepage_face"});
+  json["bodies"][0]["water"]["free_surface"] = "impervious";
+  EXPECT_NO_THROW(mpm_settings<2>(json));
+  json = layer_scene({.dim = 3, .axis = 2});
+  json["bodies"][0]["mesh"] = box({0, 0, 0}, {0.1, 0.1, 1}, {3, 3, 10}, "hex8");
+  EXPECT_NO_THROW(mpm_settings<3>(json));
+  json["bodies"][0]["mesh"] = box({0, 0, 0}, {0.1, 0.1, 1}, {4, 3, 10}, "hex8");
+  expect_error<ConfigError>([&] { mpm_settings<3>(json); }, {"/bodies/0/mesh", "1 to 4", "1 to 3"});
+}
+
 /// Soil with coarser points on top closes the surface.
 TEST(SeepageFace, coarser_soil_is_no_air) {
   for (const int points : {4, 9, 16}) {
