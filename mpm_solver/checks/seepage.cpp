@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <variant>
 
 #include "mpm_solver/grid/basis.hpp"
 
@@ -37,6 +38,38 @@ void check_layout(const ConfigReader& in, const MpmSettings<dim>& settings, std:
                         "water would alternate from cell to cell",
                         settings.layouts[b].points_per_cell, fewest));
   }
+}
+
+// Longest side of the cells by their shortest, both by the spacing of the grid.
+template <int dim>
+double slenderness(const Mesh<dim>& mesh, const BoxGrid<dim>& grid) {
+  double largest = 1;
+  for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
+    Vector<dim> low = mesh.nodes[mesh.cell(c)[0]], high = low;
+    for (const std::int32_t node : mesh.cell(c)) {
+      low = low.cwiseMin(mesh.nodes[node]);
+      high = high.cwiseMax(mesh.nodes[node]);
+    }
+    const Vector<dim> sides = (high - low).cwiseQuotient(grid.spacing);
+    largest = std::max(largest, sides.maxCoeff() / sides.minCoeff());
+  }
+  return largest;
+}
+
+// Points that are much farther apart along one axis than along another have no neighbours within
+// the reach in which the soil's surface is found.
+template <int dim>
+void check_cells(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
+  const Mesh<dim>& mesh = settings.layouts[b].mesh;
+  if (!settings.bodies[b].water->seepage_face || is_simplex(mesh.cell_type)) return;
+  constexpr double most = dim == 2 ? 4 : 3;
+  const double found = slenderness(mesh, *settings.grid.box);
+  if (found <= most * (1 + rounding)) return;
+  in.fail(fmt::format("bodies/{}/mesh", b),
+          fmt::format("found cells with sides of 1 to {:g}, by the spacing of the grid, with "
+                      "\"free_surface\" \"seepage_face\", allowed: up to 1 to {:g}; the soil's "
+                      "surface is found from its points",
+                      found, most));
 }
 
 // All pores are full: the table is not below the top of the body. There is one table.
@@ -103,24 +136,48 @@ void check_phases(const ConfigReader& in, const std::vector<Phase>& phases, std:
   }
 }
 
-// Surfaces that are drained need soil that has a seepage face there.
+// Surfaces that are drained need soil that has a seepage face there, whichever body comes to them.
 template <int dim>
-void check_drained_surfaces(const MpmSettings<dim>& settings) {
-  if (std::ranges::any_of(settings.bodies, [](const Body<dim>& body) {
-        return drains(body) && body.water->seepage_face;
-      })) {
-    return;
+void check_drained_surface(const MpmSettings<dim>& settings, const ContactSettings<dim>& surface) {
+  if (!surface.drained) return;
+  constexpr const char* allowed =
+      "allowed: with \"water\" with \"permeability\" and \"free_surface\" \"seepage_face\"";
+  if (std::ranges::none_of(settings.bodies, drains<dim>)) {
+    throw ConfigError(fmt::format(
+        "{}: found the surface of \"{}\" \"drained\" without soil whose water drains, {}",
+        surface.where, surface.name, allowed));
   }
-  const auto refuse = [](const ContactSettings<dim>& surface) {
-    if (!surface.drained) return;
+  for (const Body<dim>& body : settings.bodies) {
+    if (!drains(body) || body.water->seepage_face) continue;
     throw ConfigError(
-        fmt::format("{}: found the surface of \"{}\" \"drained\" without soil whose water drains "
-                    "through its own, allowed: with a body that has \"water\" with "
-                    "\"permeability\" and \"free_surface\" \"seepage_face\"",
-                    surface.where, surface.name));
+        fmt::format("{}: found the surface of \"{}\" \"drained\" beside the body \"{}\" with "
+                    "\"free_surface\" \"impervious\", {} for all bodies whose water drains",
+                    surface.where, surface.name, body.name, allowed));
+  }
+}
+
+// Boundary points have no facets that the soil could end at, so water would leave through them.
+template <int dim>
+void check_boundary_points(const MpmSettings<dim>& settings, const ContactSettings<dim>& surface) {
+  if (!std::holds_alternative<BoundaryPointSettings>(surface.method)) return;
+  for (const Body<dim>& body : settings.bodies) {
+    if (!drains(body) || !body.water->seepage_face) continue;
+    throw ConfigError(
+        fmt::format("{}: found the surface of \"{}\" with \"method\" \"boundary_points\" beside "
+                    "the body \"{}\", whose water would leave through it, allowed: \"method\" "
+                    "\"facets\", or \"free_surface\" \"impervious\" for the water of the body",
+                    surface.where, surface.name, body.name));
+  }
+}
+
+template <int dim>
+void check_surfaces(const MpmSettings<dim>& settings) {
+  const auto check = [&](const ContactSettings<dim>& surface) {
+    check_drained_surface(settings, surface);
+    check_boundary_points(settings, surface);
   };
-  for (const auto& surface : settings.interfaces) refuse(surface);
-  for (const auto& wall : settings.rigid_walls) refuse(wall.boundary);
+  for (const auto& surface : settings.interfaces) check(surface);
+  for (const auto& wall : settings.rigid_walls) check(wall.boundary);
 }
 
 }  // namespace
@@ -132,10 +189,11 @@ void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings) {
     if (!drains(settings.bodies[b])) continue;
     if (!first) first = b;
     check_layout(in, settings, b);
+    check_cells(in, settings, b);
     check_start(in, settings, b);
     check_density(in, settings, *first, b);
   }
-  check_drained_surfaces(settings);
+  check_surfaces(settings);
   if (first) {
     check_phases(in, settings.phases, *first);
     check_linear_solver(in, settings);

@@ -12,10 +12,11 @@ namespace gabion::mpm {
 
 namespace {
 
-// Sides of a point within which another one is its continuation: rows of regular points are one
-// side apart, and two that are strained by half of it.
-constexpr double reach_of_points = 1.5;
-// The same within which points tell where the soil is.
+// Sum of the sides of two points within which one is the continuation of the other. Rows of regular
+// points are half of it apart. The points of triangles, and those in cells that are taller than
+// wide, have a neighbour across their rows within it.
+constexpr double reach_of_points = 1.1;
+// Sides of a point within which others tell where the soil is.
 constexpr double reach_of_normals = 2;
 // Points straight beside a normal of 45 degrees lie on the cone.
 constexpr double rounding = 1e-6;
@@ -54,7 +55,12 @@ class Search {
     for (std::size_t c = 1; c < starts_.size(); ++c) starts_[c] += starts_[c - 1];
     std::vector<std::int32_t> next(starts_.begin(), starts_.end() - 1);
     of_cells_.resize(points.size());
-    for (std::int32_t p = 0; p < points.size(); ++p) of_cells_[next[points.cell[p]]++] = p;
+    sides_.resize(points.size());
+    for (std::int32_t p = 0; p < points.size(); ++p) {
+      of_cells_[next[points.cell[p]]++] = p;
+      sides_[p] = std::pow(volume(p), 1.0 / dim);
+      largest_side_ = std::max(largest_side_, sides_[p]);
+    }
   }
 
   Index lattice_index(std::int32_t node) const {
@@ -88,7 +94,7 @@ class Search {
     return parts_.points.V0[p] * parts_.points.J[p] / box_.spacing.prod();
   }
   // Side of a cube of that volume, by the spacing of the grid.
-  double side(std::int32_t p) const { return std::pow(volume(p), 1.0 / dim); }
+  double side(std::int32_t p) const { return sides_[p]; }
 
   // Act on the points of all bodies within `reach` of a place and, on the images of them in walls,
   // as act(point, way to it). @param images  whether soil goes on behind walls as its mirror image
@@ -158,17 +164,27 @@ class Search {
     return Vector<dim>::Unit(dim - 1);
   }
 
+  // A side of the grid is a border unless a wall holds it.
   bool near_border(std::int32_t cell) const {
-    const auto small = [&](std::int32_t c) { return c < 0 || fill_[c] < small_cut_fill; };
-    return small(cell) || std::ranges::any_of(box_.neighbours(cell), small);
+    const auto small = [&](std::int32_t c) { return fill_[c] < small_cut_fill; };
+    if (small(cell)) return true;
+    const auto neighbours = box_.neighbours(cell);
+    const Index at = box_.cell_index(cell);
+    for (int k = 0; k < 2 * dim; ++k) {
+      if (neighbours[k] < 0 ? !is_walled(at, k / 2, k % 2) : small(neighbours[k])) return true;
+    }
+    return false;
   }
 
   bool meets_point(std::int32_t p, const Vector<dim>& n) const {
     bool meets = false;
-    for_points_near(box_.lattice_position(parts_.points.x[p]), reach_of_points * side(p), false,
+    const double reach = reach_of_points * (side(p) + largest_side_);
+    for_points_near(box_.lattice_position(parts_.points.x[p]), reach, false,
                     [&](std::int32_t q, const Vector<dim>& way) {
-                      const double along = (std::numbers::sqrt2 / 2 - rounding) * way.norm();
-                      if (q != p && way.dot(n) >= along) meets = true;
+                      const double size = way.norm();
+                      if (q == p || size > reach_of_points * (side(p) + side(q))) return;
+                      const double along = (std::numbers::sqrt2 / 2 - rounding) * size;
+                      if (way.dot(n) >= along) meets = true;
                     });
     return meets;
   }
@@ -199,14 +215,17 @@ class Search {
   bool meets_surface(const OuterPoint<dim>& point) const {
     if (!parts_.surfaces) return false;
     const Vector<dim>& x = parts_.points.x[point.point];
-    return parts_.surfaces->is_behind(x + 2 * point.R * point.n, x);
+    const double along = side(point.point) / point.n.cwiseQuotient(box_.spacing).norm();
+    return parts_.surfaces->is_behind(x + std::max(2 * point.R, along) * point.n, x);
   }
 
   const SurroundingsOfSoil<dim>& parts_;
   const BoxGrid<dim>& box_;
   std::vector<std::int32_t> starts_, of_cells_;  // points of each cell
   std::vector<double> fill_;                     // of each cell, share of its volume
-  std::vector<int> walled_;                      // of each node, see list_walls
+  std::vector<double> sides_;                    // of each point, by the spacing of the grid
+  double largest_side_ = 0;
+  std::vector<int> walled_;  // of each node, see list_walls
 };
 
 }  // namespace

@@ -24,11 +24,11 @@ struct SurroundingsOfSoil {
 /// found anew from the places of all points, and nothing is remembered. Lengths are measured by the
 /// spacing of the grid along each axis, as points are laid. Soil goes on
 ///
-/// - in a point of any body within 1.5 sides of a point, in a cone of 45 degrees about n,
+/// - in a point of any body within 1.1 times the sum of both sides, in a cone of 45 degrees to n,
 /// - behind facets of the grid's sides that a wall holds, and behind surfaces, within one side.
 ///
-/// Only cells that are small cuts, or beside such a cell, an empty one or a side of the grid, are
-/// looked at. n points away from the mean of the points around, and of their images in walls.
+/// Only cells that are small cuts, or beside such a cell or a side of the grid that no wall holds,
+/// are looked at. n points away from the mean of the points around, and of their images in walls.
 /// @pre all points are in the grid, of this rank
 template <int dim>
 std::vector<OuterPoint<dim>> find_free_surface(const SurroundingsOfSoil<dim>& parts,

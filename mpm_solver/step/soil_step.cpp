@@ -165,10 +165,12 @@ Vector<dim> SoilStep<dim>::water_weight() const {
   return share * body->water->density * model_.settings.gravity;
 }
 
+// Points whose water does not drain have none to carry on to a surface: minus infinity, so that no
+// weight of water raises it above 0 there.
 template <int dim>
 void SoilStep<dim>::find_pore_pressures() {
   const MaterialPoints<dim>& points = state_.points;
-  pore_pressures_.assign(points.size(), 0.0);
+  pore_pressures_.assign(points.size(), -std::numeric_limits<double>::infinity());
   for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
     const Body<dim>& body = model_.settings.bodies[b];
     if (!drains(body)) continue;

@@ -227,6 +227,66 @@ TEST(SeepageFace, ends_at_rigid_walls) {
   }
 }
 
+double outflow_of(const Json& json, int dim) {
+  const double dt = 0.05 / c_v;
+  if (dim == 2) {
+    const auto solver = mpm_solver<2>(json);
+    run_steps(*solver, dt, 4);
+    return probe(*solver, "water_out");
+  }
+  const auto solver = mpm_solver<3>(json);
+  run_steps(*solver, dt, 4);
+  return probe(*solver, "water_out");
+}
+
+/// What leaves does not depend on how points are laid: by triangles, or by cells that are taller
+/// than those of the grid are wide.
+TEST(SeepageFace, is_on_top_only_however_points_are_laid) {
+  const double regular = outflow_of(layer_scene({}), 2);
+  for (const int points : {6, 12}) {
+    Json json = layer_scene({});
+    json["bodies"][0]["mesh"] = box({0, 0}, {0.1, 1}, {1, 10}, "tri3");
+    json["bodies"][0]["points_per_cell"] = points;
+    EXPECT_NEAR(outflow_of(json, 2), regular, 0.03 * regular) << points;
+  }
+  for (const int across : {2, 3, 4}) {
+    Json json = layer_scene({});
+    json["bodies"][0]["mesh"] = box({0, 0}, {0.1, 1}, {across, 10}, "quad4");
+    EXPECT_NEAR(outflow_of(json, 2), regular, 0.01 * regular) << across;
+  }
+  const Layer space{.dim = 3, .axis = 2};
+  Json json = layer_scene(space);
+  json["bodies"][0]["mesh"] = box({0, 0, 0}, {0.1, 0.1, 1}, {2, 2, 10}, "hex8");
+  const double regular_in_space = outflow_of(layer_scene(space), 3);
+  EXPECT_NEAR(outflow_of(json, 3), regular_in_space, 0.01 * regular_in_space);
+}
+
+/// The surface of still slimmer cells would not be found.
+TEST(SeepageFace, slim_cells_are_refused) {
+  Json json = layer_scene({});
+  json["bodies"][0]["mesh"] = box({0, 0}, {0.1, 1}, {5, 10}, "quad4");
+  expect_error<ConfigError>([&] { mpm_settings<2>(json); },
+                            {"/bodies/0/mesh", "1 to 5", "1 to 4", "seepage_face"});
+  json["bodies"][0]["water"]["free_surface"] = "impervious";
+  EXPECT_NO_THROW(mpm_settings<2>(json));
+  json = layer_scene({.dim = 3, .axis = 2});
+  json["bodies"][0]["mesh"] = box({0, 0, 0}, {0.1, 0.1, 1}, {3, 3, 10}, "hex8");
+  EXPECT_NO_THROW(mpm_settings<3>(json));
+  json["bodies"][0]["mesh"] = box({0, 0, 0}, {0.1, 0.1, 1}, {4, 3, 10}, "hex8");
+  expect_error<ConfigError>([&] { mpm_settings<3>(json); }, {"/bodies/0/mesh", "1 to 4", "1 to 3"});
+}
+
+/// Soil with coarser points on top closes the surface.
+TEST(SeepageFace, coarser_soil_is_no_air) {
+  for (const int points : {4, 9, 16}) {
+    Json json = layer_scene({});
+    json["bodies"][0]["points_per_cell"] = points;
+    json["bodies"].push_back(body("top", box({0, 1}, {0.1, 1.2}, {1, 2}, "quad4"), 1,
+                                  elastic_soil("hencky_elastic", E, nu, saturated_density)));
+    EXPECT_EQ(outflow_of(json, 2), 0) << points;
+  }
+}
+
 /// The surface is found from the places of the points, so a run that goes on has the same one.
 TEST(SeepageFace, run_that_goes_on_is_the_same) {
   const Json json = layer_scene({.cells = 4});

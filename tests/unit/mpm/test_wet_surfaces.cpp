@@ -100,6 +100,76 @@ TEST(WetSurfaces, floor_that_drains) {
   EXPECT_LT(below, 0.15 * saturated_density * g);
 }
 
+/// A floor is as impervious under cells that are taller than wide.
+TEST(WetSurfaces, floor_under_tall_cells_keeps_the_water) {
+  double out[2];
+  for (const int across : {2, 4}) {
+    Json json = layer_on_floor(0, 0.3);
+    json["bodies"][0]["mesh"] = box({0, 0.1}, {0.2, 1.1}, {across, 10}, "quad4");
+    const auto solver = mpm_solver<2>(json);
+    run_steps(*solver, 0.05 / c_v, 4);
+    out[across / 4] = probe(*solver, "water_out");
+  }
+  EXPECT_NEAR(out[1], out[0], 0.01 * out[0]);
+}
+
+/// Force of a slope on a block, along it and across it, beside soil elsewhere with this water.
+Vector<2> force_on_block(const Json& block_water, const Json& other_water) {
+  const auto soil = elastic_soil("hencky_elastic", E, nu, saturated_density);
+  Json json = {{"dimension", 2},
+               {"grid", box({0, -0.2}, {2, 0.4}, {20, 6}, "quad4")},
+               {"basis", "gimp"},
+               {"gravity", {0.5 * g, -std::sqrt(0.75) * g}},
+               {"walls", {wall("right", "slip"), wall("bottom", "fixed")}},
+               {"bodies",
+                {body("block", box({0.43, 0}, {0.93, 0.2}, {5, 2}, "quad4"), 4, soil),
+                 body("other", box({1.7, -0.2}, {2, 0.1}, {3, 3}, "quad4"), 4, soil)}},
+               {"rigid_walls",
+                {{{"name", "floor"},
+                  {"surface", {{"polyline", {{1.6, 0.0}, {0.1, 0.0}}}, {"spacing", 1.5}}},
+                  {"friction", 0.3}}}}};
+  if (!block_water.is_null()) json["bodies"][0]["water"] = block_water;
+  json["bodies"][1]["water"] = other_water;
+  const auto solver = mpm_solver<2>(json);
+  run_steps(*solver, 2e-3, 12);
+  return {probe(*solver, "floor.fx"), probe(*solver, "floor.fy")};
+}
+
+/// Soil that does not drain has the friction of its total stress, also beside soil that drains.
+TEST(WetSurfaces, soil_that_drains_elsewhere_changes_no_friction) {
+  Json drains = pore_water;
+  drains["permeability"] = 1e-6;
+  for (const Json& block : {Json(), Json(pore_water)}) {
+    const Vector<2> alone = force_on_block(block, pore_water);
+    const Vector<2> beside = force_on_block(block, drains);
+    EXPECT_NEAR(std::abs(beside[0] / beside[1]), 0.3, 1e-9);
+    EXPECT_LT((beside - alone).norm(), 1e-6 * alone.norm());
+  }
+}
+
+TEST(WetSurfaces, boundary_points_at_a_seepage_face_are_refused) {
+  Json json = layer_on_floor(0, 0.3);
+  json["rigid_walls"][0]["method"] = "boundary_points";
+  expect_error<ConfigError>([&] { mpm_settings<2>(json); },
+                            {"/rigid_walls/0", "\"floor\"", "facets", "impervious"});
+  json["bodies"][0]["water"]["free_surface"] = "impervious";
+  EXPECT_NO_THROW(mpm_settings<2>(json));
+}
+
+/// Whichever of the bodies comes to the surface.
+TEST(WetSurfaces, drained_surface_beside_impervious_soil_is_refused) {
+  Json json = layer_on_floor(0, 0);
+  json["rigid_walls"][0]["drained"] = true;
+  EXPECT_NO_THROW(mpm_settings<2>(json));
+  json["bodies"].push_back(json["bodies"][0]);
+  json["bodies"][1]["name"] = "other";
+  json["bodies"][1]["mesh"] = box({0, 1.1}, {0.2, 1.3}, {2, 2}, "quad4");
+  EXPECT_NO_THROW(mpm_settings<2>(json));
+  json["bodies"][1]["water"]["free_surface"] = "impervious";
+  expect_error<ConfigError>([&] { mpm_settings<2>(json); },
+                            {"/rigid_walls/0", "drained", "\"other\"", "seepage_face"});
+}
+
 TEST(WetSurfaces, drained_surface_without_water_is_refused) {
   Json json = layer_on_floor(0, 0);
   json["rigid_walls"][0]["drained"] = true;
