@@ -72,12 +72,9 @@ class OverPlan:
         if len(centres) != at.shape[1]:
             raise ResultsError(f"{where}: found {at.shape[1]} coordinates, allowed: {len(centres)}, those of the plan")
         inside = np.all([(axis[0] <= x) & (x <= axis[-1]) for axis, x in zip(centres, at.T)], axis=0)
-        if not inside.any():
-            reach = ", ".join(f"{axis[0]:.9g} to {axis[-1]:.9g} m" for axis in centres)
-            raise ResultsError(f"{where}: found no point of the data where the run has soil, {reach}: do both have the "
-                               "same origin?")
         found = np.zeros(len(at))
-        found[inside] = _linear(centres, values, at[inside])
+        if inside.any():
+            found[inside] = _linear(centres, values, at[inside])
         return found
 
     def course(self, results: Results) -> tuple[np.ndarray, np.ndarray]:
@@ -132,7 +129,8 @@ class DataSet:
 class MeasuredTable:
     """A CSV file with columns NAME or NAME[UNIT]; lines that start with # are remarks.
 
-    @raises PlanError  no such file, no row, a column twice, an unknown unit
+    @raises PlanError  no such file, no row, one with more or fewer values than the head, a column twice, an unknown
+        unit
     """
 
     def __init__(self, path: Path, where: str):
@@ -148,6 +146,10 @@ class MeasuredTable:
             raise PlanError(f"{where}: {path}: found {max(len(rows) - 1, 0)} rows, allowed: a head and "
                             "at least one row")
         self.rows = rows[1:]
+        for number, row in enumerate(self.rows, 1):
+            if len(row) != len(rows[0]):
+                raise PlanError(f"{where}: {path}: row {number}: found {len(row)} value{'s' * (len(row) > 1)}, "
+                                f"allowed: {len(rows[0])}, as the head has")
         self.columns: dict[str, tuple[int, str, float]] = {}  # number, quantity, factor
         for number, head in enumerate(rows[0]):
             found = re.fullmatch(r"\s*([^\[\]]+?)\s*(?:\[\s*(\S+)\s*\])?\s*", head)
@@ -175,12 +177,11 @@ class MeasuredTable:
         for line, row in enumerate(self.rows, 1):
             try:
                 value = float(row[number])
-            except (IndexError, ValueError):
+            except ValueError:
                 value = np.nan
-            if not np.isfinite(value):
-                text = row[number] if number < len(row) else "nothing"
-                raise PlanError(f"{self.where}: {self.path}: row {line}: found {text!r} for {name}, allowed: a finite "
-                                "number")
+            if not np.isfinite(value) or "_" in row[number]:  # Python takes 1_0 for 10
+                raise PlanError(f"{self.where}: {self.path}: row {line}: found {row[number]!r} for {name}, allowed: a "
+                                "finite number")
             found.append(factor * value)
         return np.array(found)
 

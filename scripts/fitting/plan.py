@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from plotting.view import up_axis
 from sampling.answers import Answer
 from sampling.design import Design
 from sampling.parameters import require_apart
@@ -84,12 +85,10 @@ def read_fit(path: Path, content: dict) -> FitPlan:
     """@raises PlanError  with the place in the file, what was found and what is allowed"""
     top = PlanReader(content, f"{path}:", PLAN_KEYS)
     scene = path.parent / top.text("scene", "a folder, from that of the plan")
-    try:
-        dimension = Scene(scene)["mpm.json:/dimension"]
-    except SettingError as error:
-        raise PlanError(f"{path}:/scene: {error}") from error
     settings = top.inner("settings", None).values if "settings" in top.values else {}
     fit = top.inner("fit", FIT_KEYS)
+    asked = fit.named("data", DATA_KEYS)
+    dimension = _dimension(scene, f"{path}:/scene", any("deposit" in each.values for each in asked.values()))
     parameters = [_read_parameter(name, each)
                   for name, each in fit.named("parameters", ("set", "between", "scale", "start")).items()]
     if not parameters:
@@ -99,7 +98,8 @@ def read_fit(path: Path, content: dict) -> FitPlan:
             raise PlanError(f"{each.where}: found the name {each.name}, allowed: none of "
                             f"{', '.join((*COLUMNS, MISFIT))}")
     require_apart(parameters)
-    data = [read_data(name, each, path.parent, dimension) for name, each in fit.named("data", DATA_KEYS).items()]
+    _require_once(settings, parameters)
+    data = [read_data(name, each, path.parent, dimension) for name, each in asked.items()]
     if not data:
         raise fit.fail("data", "an object with at least one data set")
     count = sum(len(each.values) for each in data)
@@ -110,7 +110,26 @@ def read_fit(path: Path, content: dict) -> FitPlan:
     plan = FitPlan(path, scene.resolve(), settings, parameters, data, how, read_ranks(top))
     _check_values(plan)
     _check_times(plan)
+    _check_places(plan)
     return plan
+
+
+def _dimension(scene: Path, where: str, wanted: bool) -> int:
+    """Dimension of the soil; 0 where it is not wanted: a scene may have no soil. @raises PlanError  no such scene"""
+    try:
+        found = Scene(scene)
+        return found["mpm.json:/dimension"] if wanted else 0
+    except SettingError as error:
+        raise PlanError(f"{where}: {error}") from error
+
+
+def _require_once(settings: dict[str, Any], parameters: list[FitParameter]) -> None:
+    """@raises PlanError  a setting of the plan that a parameter would overwrite"""
+    for each in parameters:
+        for path in sorted(each.all_paths):
+            if any(own == path or own.startswith(f"{path}/") for own in settings):
+                raise PlanError(f"{each.where}/set: found {path}, which \"settings\" of the plan sets too, allowed: "
+                                "one of both")
 
 
 def _read_parameter(name: str, reader: PlanReader) -> FitParameter:
@@ -170,3 +189,31 @@ def _check_times(plan: FitPlan) -> None:
             if not 0 <= time <= end * (1 + 1e-9):
                 raise PlanError(f"{each.where}: found the time {time:g} s, allowed: 0 to {end:g} s, the time of the "
                                 "runs")
+
+
+def _check_places(plan: FitPlan) -> None:
+    """@raises PlanError  data on the plan that the soil cannot reach: none of them over the grid, as far as that is a
+    box that all runs have alike"""
+    reach = _reach(plan.scene_at({}).settings.get("mpm.json", {}))
+    varied = any(path.startswith(("mpm.json:/grid", "mpm.json:/origin")) for each in plan.parameters
+                 for path in each.paths)
+    if reach is None or varied:
+        return
+    low, high = reach
+    for each in plan.data:
+        if isinstance(each.source, OverPlan) and not np.any(np.all((low <= each.at) & (each.at <= high), axis=1)):
+            ends = ", ".join(f"{a:.9g} to {b:.9g} m" for a, b in zip(low, high))
+            raise PlanError(f"{each.where}: found no point of the data over the grid of the scene, {ends} in map "
+                            "coordinates, allowed: at least one; do both have the same origin?")
+
+
+def _reach(soil: dict) -> tuple[np.ndarray, np.ndarray] | None:
+    """Corners of the grid on the plan in map coordinates [m]; None: it is no box, or none that a run would take."""
+    dim, box = soil.get("dimension"), soil.get("grid", {}).get("box", {})
+    ends = [box.get("low"), box.get("high"), soil.get("origin", [0] * 3)]
+    if dim not in (2, 3) or not all(isinstance(end, list) and dim <= len(end) and all(map(is_number, end))
+                                    for end in ends):
+        return None
+    up = up_axis(dim, soil.get("gravity"))
+    low, high, origin = (np.array([value for axis, value in enumerate(end[:dim]) if axis != up]) for end in ends)
+    return low + origin, high + origin

@@ -50,6 +50,12 @@ def label_of(field: str, values: np.ndarray) -> str:
     return f"{'size of ' if values.ndim > 1 else ''}{words}{f' [{unit}]' if unit else ''}"
 
 
+def _first_with_points(soil: Series | None) -> Frame | None:
+    """None: no soil, or none in any frame."""
+    frames = (soil.frame(k) for k in range(len(soil))) if soil else ()
+    return next((frame for frame in frames if len(frame.points)), None)
+
+
 class ScenePlot:
     """Draws one instant at a time with the same plane, window and colours for all instants.
 
@@ -60,19 +66,20 @@ class ScenePlot:
 
     def __init__(self, results: Results, field: str | None = None, plane: str | None = None, most_ground: int = MOST):
         self.most_ground = most_ground
-        self.soil = results.soil
+        self.first = _first_with_points(results.soil)
+        self.soil = results.soil if self.first else None
         self.structures = results.structures
         self.rigid_walls = Walls(results)
         self.boulders = Boulders(results)
         series = next((s for s in (self.soil, *self.structures) if s), None)
         if series is None:
-            raise ResultsError(f"{results.folder}: neither mpm/soil.xdmf nor fem/structure.xdmf")
+            raise ResultsError(f"{results.folder}: neither points in mpm/soil.xdmf nor fem/structure.xdmf")
         self.times = series.times
         self.field = field
         last = series.frame(len(series) - 1)
         if self.soil:
             self.field = self._choose(last, field)
-            self.size = self._point_size_m(self.soil.frame(0).points, results.dim)
+            self.size = self._point_size_m(self.first.points, results.dim)
         self._window(results, plane)
         self._colours()
 
@@ -84,7 +91,7 @@ class ScenePlot:
 
     @staticmethod
     def _point_size_m(points: np.ndarray, dim: int) -> float:
-        """Mean distance of points [m] in the first frame."""
+        """Mean distance of points [m]."""
         extent = np.ptp(points[:, :dim], axis=0)
         if dim == 2:
             return float(np.sqrt(max(np.prod(extent), 1e-12) / len(points)))
@@ -94,7 +101,9 @@ class ScenePlot:
         return size
 
     def _sample(self, series: Series) -> list[Frame]:
-        return [series.frame(i) for i in evenly(len(series), SAMPLES)]
+        """Some frames, without those whose points have all left or are not there yet."""
+        frames = [series.frame(i) for i in evenly(len(series), SAMPLES)]
+        return [frame for frame in frames if len(frame.points)] or [self.first]
 
     def _window(self, results: Results, plane: str | None) -> None:
         clouds = [f.points for f in self._sample(self.soil)] if self.soil else []

@@ -12,11 +12,18 @@ from plotting.view import AXES, up_axis
 
 from .surfaces import moments, touched_faces
 
-# Columns of fem_solver about lines and metal, what they are called and their units.
-MEMBERS = {"axial_max": ("largest axial force in the lines of", "N"),
-           "axial_min": ("least axial force in the lines of", "N"),
-           "brake_run": ("largest run of a brake of", "m"), "plastic_strain": ("largest plastic strain of", "")}
-MEMBER = re.compile(rf"(?P<of>{'|'.join(MEMBERS)})(?P<group>(?:_.+)?)$")
+# Columns of fem_solver about lines, metal and concrete: what they are called, their units, whether these are per metre
+# in 2D, and of which values the largest one is asked: of the sizes, of the values, or of these with the other sign.
+MEMBERS = {"axial_max": ("largest axial force in the lines of", "N", True, np.positive),
+           "axial_min": ("least axial force in the lines of", "N", True, np.negative),
+           "stress_max": ("largest stress in the bars of", "Pa", False, np.positive),
+           "stress_min": ("least stress in the bars of", "Pa", False, np.negative),
+           "brake_run": ("largest run of a brake of", "m", False, np.abs),
+           "plastic_strain": ("largest plastic strain of", "", False, np.abs),
+           "crack_width": ("widest crack of", "m", False, np.abs),
+           "damage_work": ("work of cracks and crushing of", "J", True, np.abs)}
+# A participant has no dot in its name, a group may have some.
+MEMBER = re.compile(rf"(?:(?P<who>[^.]+)\.)?(?P<of>{'|'.join(MEMBERS)})(?:_(?P<group>.+))?$")
 Row = tuple[str, str]  # what is asked, answer
 
 
@@ -30,12 +37,12 @@ def number(value: float, unit: str) -> str:
     return f"{value + 0.0:.4g} {unit}".rstrip()  # + 0.0: no sign of a zero
 
 
-def peak(time: np.ndarray, values: np.ndarray, unit: str) -> str | None:
-    """Largest by size with its time, and last value; None: without any number, or all zero."""
+def peak(time: np.ndarray, values: np.ndarray, unit: str, measure: np.ufunc = np.abs) -> str | None:
+    """Value with the largest measure, with its time, and last value; None: without any number, or all zero."""
     known = np.isfinite(values)
     if not known.any() or not np.any(values[known] != 0):
         return None
-    k = int(np.nanargmax(np.abs(values)))
+    k = int(np.nanargmax(measure(values)))
     return f"{number(values[k], unit)} at {time[k]:.4g} s; at the end {number(values[known][-1], unit)}"
 
 
@@ -131,24 +138,36 @@ def pressures(results: Results) -> list[Row]:
 
 
 def members(results: Results) -> list[Row]:
-    """What is asked of sections, ropes, brakes and metal of a structure, over all steps."""
+    """What is asked of sections, ropes, brakes, metal and concrete of structures, over all steps."""
     table, unit, rows = results.table("probes.csv"), results.per_metre, []
-    for column in table.names if table is not None and table.num_rows else []:
-        part = column.rpartition(".")[2]
-        if SECTION.search(column):
-            section, is_moment = column.rpartition(".")[0], part.startswith("M_")
+    names = table.names if table is not None and table.num_rows else []
+    several = len({found["who"] for found in map(MEMBER.match, names) if found}) > 1
+    for column in names:
+        measure = np.abs
+        if SECTION.search(column) and not MEMBER.match(column):
+            section, _, part = column.rpartition(".")
+            is_moment = part.startswith("M_")
             asked = f"{'moment' if is_moment else 'force'} in section {section}, {part}"
             of = f"N{' m' * is_moment}{unit}"
-        elif (found := MEMBER.match(part)) and (found["of"] != "axial_min" or np.nanmin(table[column]) < 0):
-            words, of = MEMBERS[found["of"]]
-            where = column.removesuffix(part).removesuffix(".") or "the structure"
-            asked = f"{words} {found['group'].removeprefix('_') or where}"
+        elif found := MEMBER.match(column):
+            words, of, per_metre, measure = MEMBERS[found["of"]]
+            if measure is np.negative and not np.any(table[column] < 0):
+                continue  # nothing is compressed
+            asked, of = f"{words} {place_of(found, several)}", of + unit * per_metre
         else:
             continue
-        text = peak(table["time"], table[column], of)
+        text = peak(table["time"], table[column], of, measure)
         if text:
             rows.append((asked, text))
     return rows
+
+
+def place_of(found: re.Match, several: bool) -> str:
+    """What a column of a structure is of; other columns have other places. several: structures."""
+    who, group = found["who"], found["group"]
+    if group and who and (several or group == who):
+        return f"{who}.{group}"
+    return group or who or "the structure"
 
 
 def gauges(results: Results) -> list[Row]:

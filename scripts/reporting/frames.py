@@ -28,7 +28,7 @@ class Packer:
         self.view = self.scene.view
         self.meshes = [self._mesh(structure) for structure in self.scene.structures]
         soil = self.scene.soil
-        first = soil.frame(0) if soil else None
+        first = self.scene.first
         self.fields = [name for name in FIELDS if first and name in first.fields][:3]
         self.num_points = len(first.points) if first else 0
         a_place = 2 * results.dim
@@ -86,7 +86,10 @@ class Packer:
         frames = [soil.frame(soil.nearest(time)) for time in times] if soil else []
         moving = [[structure.frame(structure.nearest(time)).points[used] for time in times]
                   for structure, (used, _) in zip(self.scene.structures, self.meshes)]
-        self._set_box([frame.points for frame in frames] + [points for each in moving for points in each])
+        clouds = [frame.points for frame in frames if len(frame.points)]  # all soil may have left
+        if soil and not clouds:
+            clouds = [self.scene.first.points]
+        self._set_box(clouds + [points for each in moving for points in each])
         packed = {"low": self.scene.low.tolist(), "high": self.scene.high.tolist(), "labels": self.view.labels,
                   "box": [self.low.tolist(), self.high.tolist()], "across": self.view.across, "up": self.view.up,
                   "inverted": self.view.inverted, "times": times.tolist(),
@@ -100,20 +103,21 @@ class Packer:
                 mesh["front"] = text_of(self._front(structure, used, faces).astype("<u4"))
             packed["structures"].append(mesh)
         if self.view.dim == 3:
-            packed["space"] = self._space(times, frames, moving)
+            packed["space"] = self._space(times, clouds, moving)
         return packed | self._walls(times) | self._ground()
 
-    def _space(self, times: np.ndarray, frames: list[Frame], moving: list[list[np.ndarray]]) -> dict[str, Any]:
+    def _space(self, times: np.ndarray, soil: list[np.ndarray], moving: list[list[np.ndarray]]) -> dict[str, Any]:
         """The first look of the view that turns: directions to the right, upwards (against gravity) and towards the
-        eye; the box that it shows, without the few points that fly far; rigid walls."""
-        clouds = [np.percentile(frame.points, [0.5, 99.5], axis=0) for frame in frames]
+        eye; the box that it shows, without the few points that fly far; rigid walls. soil: points of frames that have
+        some."""
+        clouds = [np.percentile(points, [0.5, 99.5], axis=0) for points in soil]
         clouds += [points for each in moving for points in each]
         clouds += [faces.reshape(-1, 3) for time in times for faces in self.scene.boulders.at(time)]
         every = np.vstack([[cloud.min(axis=0), cloud.max(axis=0)] for cloud in clouds])
         camera = camera_of(self.results.gravity, np.ptp(every, axis=0), 0, 0)
         return {"right": camera.right.tolist(), "up": camera.up.tolist(), "eye": camera.eye.tolist(),
                 "low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist(),
-                "size": self._ball_size(frames[0].points) if frames else 0,
+                "size": self._ball_size(soil[0]) if soil else 0,
                 "walls": packed_walls(self.results, times, MAX_GROUND)}
 
     def _ball_size(self, points: np.ndarray) -> float:
@@ -154,13 +158,14 @@ class Packer:
         for name in self.fields:
             each = [scalar(frame.fields[name])[keep] for frame, keep in zip(frames, chosen)]
             every = np.concatenate(each)
+            every = every if len(every) else np.zeros(1)
             low, high = (float(np.nanpercentile(every, share)) for share in (0.5, 99.5))  # some fly far
             high = high if high > low else low + 1
             fields.append({"name": name.replace("_", " "), "low": low, "high": high,
                            "label": label_of(name, frames[0].fields[name])})
             shares = [np.clip((v - low) / (high - low), 0, 1) for v in each]
             values.append([text_of(np.round(255 * share).astype("u1")) for share in shares])
-        count = len(frames[0].points)
+        count = len(self.scene.first.points)
         return {"fields": fields, "size": self.scene.size * max(1.0, count / max(1, self.num_points)) ** 0.5,
                 "shown": self.num_points, "points": count,
                 "soil": [{"points": self._places(frame.points[keep]), "values": [v[k] for v in values]}

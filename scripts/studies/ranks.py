@@ -79,6 +79,7 @@ THREADS = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OMPI_MCA_mpi_yi
 
 
 def mpirun(ranks: int) -> list[str]:
+    """Words of a launch. @raises LauncherError  there is no mpirun of Open MPI"""
     return [*find_launcher().words, "-n", str(ranks)]
 
 

@@ -17,7 +17,7 @@ from fitting import work
 from fitting.bounds import Sought
 from fitting.data import DataSet, MeasuredTable, OverPlan
 from fitting.least_squares import Judge, Search, evaluate, search, slopes_at
-from fitting.plan import FitPlan, read_fit
+from fitting.plan import FitPlan, _reach, read_fit
 from plotting.deposit import Deposit, Plan
 from plotting.results import ResultsError
 from plotting.style import plt
@@ -284,6 +284,18 @@ class Plans(FitCase):
         self.write("x.csv", course(3, 20, (1,)))
         self.expect("plan.json:/fit/data: found 1 measured value for 2 parameters, allowed: at least as many values")
 
+    def test_a_setting_that_a_parameter_sets_too(self) -> None:
+        self.expect_of(self.values, (f'plan.json:/fit/parameters/a/set: found {A}, which "settings" of the plan sets '
+                                     'too, allowed: one of both',), settings={A: 2})
+
+    def test_a_scene_without_soil(self) -> None:
+        (self.folder / "scene" / "mpm.json").unlink()
+        self.write("scene/fem.json", json.dumps({"dimension": 2, "material": {"density": 2000}, "time": {"end": 1}}))
+        self.fit["parameters"] = {"a": {"set": "fem.json:/material/density", "between": [1000, 3000]}}
+        self.read()
+        self.fit["data"]["heap"] = {"file": "x.csv", "over": "time", "value": "x", "deviation": 0.1, "deposit": "depth"}
+        self.expect("plan.json:/scene: ", "mpm.json")
+
     def test_data(self) -> None:
         x = self.fit["data"]["x"]
         where = "plan.json:/fit/data/x"
@@ -307,7 +319,9 @@ class Plans(FitCase):
                 ("", ("found 0 rows, allowed: a head and at least one row",)),
                 ("time,x\n", ("found 0 rows",)),
                 ("time,x\n0,1\n0.5,nan\n1,2\n", ("row 2: found 'nan' for x, allowed: a finite number",)),
-                ("time,x\n0,1\n0.5\n", ("row 2: found 'nothing' for x",)),
+                ("time,x\n0,1\n0.5\n", ("row 2: found 1 value, allowed: 2, as the head has",)),
+                ("time,x\n0,1\n0,5,2\n", ("row 2: found 3 values, allowed: 2, as the head has",)),
+                ("time,x\n0,1\n1,1_0\n", ("row 2: found '1_0' for x, allowed: a finite number",)),
                 ("time,x\n0,1\nsoon,2\n", ("row 2: found 'soon' for time",)),
                 ("time,x\n0,1\n0.5,2\n0.5,3\n", ("found time 0.5 (SI units) twice, allowed: once",)),
                 ("time,x,x\n0,1,1\n1,2,2\n", ("found the column x twice",)),
@@ -343,14 +357,43 @@ class Deposits(FitCase):
         np.testing.assert_allclose(self.predicted([[101.0], [102], [105], [106], [200]]), [1, 1.5, 3, 1.5, 0])
         np.testing.assert_allclose(self.predicted([[101.0, 201], [104, 202], [105, 204], [0, 0]]), [1, 2.5, 1.5, 0])
 
-    def test_another_origin_or_time_is_said(self) -> None:
-        with self.assertRaisesRegex(ResultsError, "heap: found no point of the data where the run has soil, 99 to"):
-            self.predicted([[1.0], [3]])
+    def test_a_run_that_does_not_come_so_far_has_no_soil_there(self) -> None:
+        np.testing.assert_array_equal(self.predicted([[1.0], [300]]), [0, 0])
+        np.testing.assert_array_equal(self.predicted([[1.0, 201], [101, 300]]), [0, 0])
+
+    def test_another_time_is_said(self) -> None:
         with self.assertRaisesRegex(ResultsError, "found no frame at 0.4 s, the nearest is at 0.5 s"):
             self.predicted([[101.0]], OverPlan("depth", 0.4, None))
 
+    def test_another_origin_is_said(self) -> None:
+        """The grid is 0.4 m long."""
+        self.fit["data"] = {"heap": {"file": "d.csv", "value": "d", "deviation": 0.1, "deposit": "depth"}}
+        path = self.plan()
+
+        def read() -> FitPlan:
+            return read_fit(path, read_object(path))
+
+        self.write("d.csv", "x,d\n0.3,1\n0.5,0\n")
+        read()
+        self.write("d.csv", "x,d\n100.1,1\n100.5,0\n")
+        with self.assertRaisesRegex(PlanError, "fit/data/heap: found no point of the data over the grid of the scene, "
+                                               "0 to 0.4 m in map coordinates, allowed: at least one; do both"):
+            read()
+        scene = json.loads((self.folder / "scene" / "mpm.json").read_text())
+        self.write("scene/mpm.json", json.dumps(scene | {"origin": [100, 7]}))
+        read()
+
+    def test_reach_of_the_grid(self) -> None:
+        soil = {"dimension": 3, "gravity": [0, -9.81, 0], "origin": [10, 20, 30],
+                "grid": {"box": {"low": [0, 1, 2], "high": [3, 4, 5]}}}
+        np.testing.assert_allclose(_reach(soil), [[10, 32], [13, 35]])
+        for change in ({"grid": {"file": "grid.msh"}}, {"dimension": 4}, {"origin": [1]}, {"grid": {"box": {}}}):
+            self.assertIsNone(_reach(soil | change))
+
     def test_a_raster_gives_a_value_a_cell(self) -> None:
         scene = json.loads((self.folder / "scene" / "mpm.json").read_text()) | {"dimension": 3}
+        scene["gravity"] = [0, 0, -9.81]
+        scene["grid"]["box"] |= {"low": [100, 200, 0], "high": [110, 210, 1]}
         self.write("scene/mpm.json", json.dumps(scene))
         self.write("d.asc", "ncols 2\nnrows 2\nxllcorner 100\nyllcorner 200\ncellsize 2\nNODATA_value -9999\n"
                             "0.1 -9999\n0.3 0.4\n")

@@ -72,5 +72,12 @@ class Install(ScriptCase):
         self.assertIn("nothing says what was installed", missing)
 
 
+class Removal(ScriptCase):
+    @unittest.skipIf(Path("/usr/lib/gabion").exists(), "a package of Gabion is installed")
+    def test_a_folder_that_is_gone_already(self) -> None:
+        done = subprocess.run(["sh", ROOT / "cmake" / "prerm"], capture_output=True, text=True, check=False, timeout=60)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -74,6 +74,17 @@ class Launches(ScriptCase):
         with mock.patch.dict(os.environ, {"PATH": str(self.folder)}), self.assertRaisesRegex(LauncherError, "mpirun"):
             find_launcher()
 
+    def test_programs_say_that_there_is_none(self) -> None:
+        program = ROOT / "structures" / "dolfinx" / "dolfinx_structure"
+        with mock.patch.dict(os.environ, {"PATH": str(self.folder)}):
+            done = subprocess.run(["/usr/bin/python3", program, "--coupler", "tcp://127.0.0.1:1", "--ranks", "2"],
+                                  capture_output=True, text=True, check=False, timeout=600)
+            studies = [self.python_script("bench", name, "--output", self.folder / name)
+                       for name in ("ranks", "structure_ranks")]
+        for name, each in (("dolfinx_structure", done), *(("scripts/bench", each) for each in studies)):
+            self.assertEqual((each.returncode, each.stderr),
+                             (2, f"{name}: mpirun: No such file or directory, allowed: that of Open MPI in PATH\n"))
+
     def test_the_one_in_the_path_is_asked(self) -> None:
         for major, version in VERSIONS.items():
             self.made_up(version)

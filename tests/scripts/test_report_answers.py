@@ -142,10 +142,49 @@ class Answers(ScriptCase):
             "force in section wall.foot, N": "-2 N/m at 1 s; at the end 1 N/m",
             "moment in section wall.foot, M_z": "30 N m/m at 1 s; at the end 10 N m/m",
             "largest plastic strain of wall": "0.01 at 1 s; at the end 0.01",
-            "largest plastic strain of posts": "0.01 at 1 s; at the end 0",
-            "largest axial force in the lines of top_rope": "5e+04 N at 1 s; at the end 1e+04 N",
-            "least axial force in the lines of posts": "-3000 N at 1 s; at the end -1000 N",
-            "largest run of a brake of top_rope": "0.25 m at 1 s; at the end 0.25 m"})
+            "largest plastic strain of wall.posts": "0.01 at 1 s; at the end 0",
+            "largest axial force in the lines of net.top_rope": "5e+04 N/m at 1 s; at the end 1e+04 N/m",
+            "least axial force in the lines of net.posts": "-3000 N/m at 1 s; at the end -1000 N/m",
+            "largest run of a brake of net.top_rope": "0.25 m at 1 s; at the end 0.25 m"})
+
+    def members_of(self, **columns: list[float]) -> dict[str, str]:
+        """Answers of a run with these columns, __ in their names being a dot, at 0 s, 1 s ..."""
+        rows = [[float(k), *row] for k, row in enumerate(zip(*columns.values()))]
+        write_table(self.folder / "probes.csv", ["time", *(name.replace("__", ".") for name in columns)], rows)
+        found = answers(Results(self.folder))
+        self.assertEqual(len(dict(found)), len(found))
+        return dict(found)
+
+    def test_least_and_largest_are_no_sizes(self) -> None:
+        found = self.members_of(s__axial_max_brace=[0, -100, -5000], s__axial_min_brace=[0, -200, -6000],
+                                s__axial_min_rope=[0, 3, 4])
+        self.assertEqual(found, {
+            "largest axial force in the lines of brace": "0 N/m at 0 s; at the end -5000 N/m",
+            "least axial force in the lines of brace": "-6000 N/m at 2 s; at the end -6000 N/m"})
+        found = self.members_of(axial_min_brace=[0, -200, -6000, 8000], stress_max_brace=[0, -1e6, -9e6, 2e6],
+                                stress_min_brace=[0, -1e6, -3e6, 7e6])
+        self.assertEqual(found, {
+            "least axial force in the lines of brace": "-6000 N/m at 2 s; at the end 8000 N/m",
+            "largest stress in the bars of brace": "2e+06 Pa at 3 s; at the end 2e+06 Pa",
+            "least stress in the bars of brace": "-3e+06 Pa at 2 s; at the end 7e+06 Pa"})
+
+    def test_units_in_space(self) -> None:
+        with mock.patch.object(Results, "per_metre", ""):
+            found = self.members_of(s__axial_max_a=[0, 2], s__damage_work=[0, 3])
+        self.assertEqual([*found.values()], ["2 N at 1 s; at the end 2 N", "3 J at 1 s; at the end 3 J"])
+
+    def test_concrete_that_cracks(self) -> None:
+        self.assertEqual(self.members_of(s__damage_work=[0, 5], s__crack_width=[0, 1e-3], s__crack_width_s=[0, 5e-4]), {
+            "work of cracks and crushing of s": "5 J/m at 1 s; at the end 5 J/m",
+            "widest crack of s": "0.001 m at 1 s; at the end 0.001 m",
+            "widest crack of s.s": "0.0005 m at 1 s; at the end 0.0005 m"})
+
+    def test_groups_of_several_structures_and_with_a_dot(self) -> None:
+        found = self.members_of(one__axial_max_bars=[0, 7], two__axial_max_bars=[0, 9], two__axial_max_a__b=[0, 5])
+        self.assertEqual([each.rpartition(" ")[2] for each in found], ["one.bars", "two.bars", "two.a.b"])
+        for name in ("s__axial_max_a__b", "axial_max_a__b", "s__axial_max_a__N"):
+            self.assertEqual([*self.members_of(**{name: [0, 7]})],
+                             [f"largest axial force in the lines of a.{name[-1]}"])
 
     def test_stability_of_a_footing(self) -> None:
         folder = self.write("run/probes.csv",

@@ -4,16 +4,25 @@
 
 import base64
 import unittest
+from collections.abc import Iterable
 from pathlib import Path
 from unittest import mock
 
 import numpy as np
-from made_up_results import boulder_frames, space_frames, write_boulder, write_results, write_space_results
+from made_up_results import (
+    boulder_frames, soil_frames, space_frames, write_boulder, write_results, write_series, write_space_results,
+)
 from script_case import ScriptCase
 
 
 def numbers(text: str, kind: str, columns: int) -> np.ndarray:
     return np.frombuffer(base64.b64decode(text), kind).reshape(-1, columns)
+
+
+def emptied(frames: list[tuple], which: Iterable[int]) -> list[tuple]:
+    """Frames of soil, without points in some of them."""
+    return [(time, points[:0], cells, {name: values[:0] for name, values in fields.items()}) if k in which else
+            (time, points, cells, fields) for k, (time, points, cells, fields) in enumerate(frames)]
 
 
 class Space(ScriptCase):
@@ -105,6 +114,29 @@ class Space(ScriptCase):
             expected[up] = -np.sign(gravity)
             np.testing.assert_allclose(space["up"], expected, atol=1e-12)
             np.testing.assert_allclose(np.cross(space["right"], space["up"]), space["eye"], atol=1e-12)
+
+    def test_frames_without_soil(self) -> None:
+        """All of it has left, or none has come yet."""
+        from plotting.results import ResultsError  # noqa: PLC0415
+        for dim, write, frames in ((2, write_results, soil_frames()), (3, write_space_results, space_frames(2)[0])):
+            for empty in ((5,), (0,), (0, 1, 3, 4, 5)):
+                with self.subTest(dim=dim, empty=empty):
+                    folder = write(self.folder / f"{dim}{len(empty)}{empty[0]}")
+                    write_series(folder / "mpm", "soil", emptied(frames, empty))
+                    scene = self.packed(folder)
+                    shown = [len(numbers(each["points"], "<u2", dim)) for each in scene["soil"]]
+                    self.assertEqual(shown, [0 if k in empty else scene["shown"] for k in range(6)])
+                    self.assertGreater(scene["shown"], 0)
+                    if dim == 3:
+                        self.assertGreater(scene["space"]["size"], 0)
+            folder = write(self.folder / f"{dim} none")
+            write_series(folder / "mpm", "soil", emptied(frames, range(6)))
+            scene = self.packed(folder)
+            self.assertEqual((scene["soil"], len(scene["structures"])), ([], 1))
+            for path in (folder / "fem").glob("structure*"):
+                path.unlink()
+            with self.assertRaisesRegex(ResultsError, "neither points in"):
+                self.packed(folder)
 
     def test_bytes_are_bounded(self) -> None:
         from reporting import frames  # noqa: PLC0415
