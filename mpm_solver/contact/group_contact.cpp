@@ -23,6 +23,10 @@ constexpr double renewal = 2;
 // closed before, are worth a warning.
 constexpr double notable_overlap = 0.25;
 
+// A new node whose gap lies below that of the closed ones around it by more than this share of the
+// cell size is not of their surface.
+constexpr double notable_difference = 0.05;
+
 template <int dim>
 Vector<dim> tangential(const Vector<dim>& v, const Vector<dim>& n) {
   return v - n.dot(v) * n;
@@ -115,7 +119,8 @@ void GroupContact<dim>::go_on_from_neighbours(const BackgroundGrid<dim>& grid, T
   }
   const double around = area > 0 ? gap / area : 0;
   if (node.separates) {
-    node.gap = bounded_gap(node, around);
+    const bool alike = node.gap > around - notable_difference * cell_size_;
+    node.gap = bounded_gap(node, alike ? around : 0);
   } else if (node.gap == 0) {
     node.gap = around;
   }
