@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "mpm_solver/checks/seepage.hpp"
+#include "mpm_solver/points/laid_sides.hpp"
 
 namespace gabion::mpm {
 
@@ -29,6 +30,14 @@ void check_group_needs(const ConfigReader& in, const MpmSettings<dim>& settings)
     in.fail(key, fmt::format("found with the pore water of \"{}\" that drains, allowed: bodies "
                              "that are dry or have no \"permeability\"",
                              body.name));
+  }
+  for (std::size_t b = 0; b < settings.layouts.size(); ++b) {
+    const double deepest = deepest_uneven_row(settings.layouts[b]);
+    if (deepest == 0) continue;
+    in.fail(fmt::format("bodies/{}/mesh", b),
+            fmt::format("found cells with points {:.3g} m below a side and nearer to another one, "
+                        "allowed with \"contact_groups\": {}, so that contact begins at each side",
+                        deepest, dim == 2 ? "squares" : "cubes"));
   }
   const auto require_facets = [&](const ContactSettings<dim>& surface) {
     if (std::holds_alternative<FacetSettings>(surface.method)) return;

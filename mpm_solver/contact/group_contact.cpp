@@ -23,6 +23,10 @@ constexpr double renewal = 2;
 // closed before, are worth a warning.
 constexpr double notable_overlap = 0.25;
 
+// A new node whose gap lies below that of the closed ones around it by more than this share of the
+// cell size is not of their surface.
+constexpr double notable_difference = 0.05;
+
 template <int dim>
 Vector<dim> tangential(const Vector<dim>& v, const Vector<dim>& n) {
   return v - n.dot(v) * n;
@@ -58,6 +62,14 @@ Vector<dim> turned_slip(const Vector<dim>& slip, const Vector<dim>& n) {
   return size > 0 ? Vector<dim>(turned * (slip.norm() / size)) : Vector<dim>(Vector<dim>::Zero());
 }
 
+// A gap of no less than what closed it before or the nearest points are in each other: across a
+// re-entrant corner a slanted plane parts the points, and the spheres along its normal overlap by
+// far more than the bodies do.
+template <int dim>
+double bounded_gap(const GroupNode<dim>& node, double before) {
+  return std::max(node.gap, std::min(before, -node.overlap));
+}
+
 }  // namespace
 
 template <int dim>
@@ -83,7 +95,7 @@ void GroupContact<dim>::follow(Touch& touch) const {
   const RememberedNode<dim>* const before = memory_.find(node.place, node.pair);
   if (before == nullptr) return;
   const double share = std::min(1.0, renewal * before->moved / cell_size_);
-  const double found = node.separates ? node.gap : before->gap;
+  const double found = node.separates ? bounded_gap(node, before->gap) : before->gap;
   node.gap = before->gap + share * (found - before->gap);
   node.area = before->area + share * (node.area - before->area);
   touch.old_force = before->force;
@@ -105,9 +117,14 @@ void GroupContact<dim>::go_on_from_neighbours(const BackgroundGrid<dim>& grid, T
     slip += near->area * near->slip;
     gap += near->area * near->gap;
   }
-  if (area == 0) return;
-  if (!node.separates && node.gap == 0) node.gap = gap / area;
-  if (node.gap >= 0) return;
+  const double around = area > 0 ? gap / area : 0;
+  if (node.separates) {
+    const bool alike = node.gap > around - notable_difference * cell_size_;
+    node.gap = bounded_gap(node, alike ? around : 0);
+  } else if (node.gap == 0) {
+    node.gap = around;
+  }
+  if (area == 0 || node.gap >= 0) return;
   touch.goes_on = true;
   touch.old_slip = turned_slip<dim>(slip / area, node.n);
 }

@@ -267,6 +267,79 @@ TEST(BodyGroups, blocks_that_collide_keep_their_momentum_and_part) {
   }
 }
 
+/// A block in or before the corner of a bed and a wall of one group, no gravity.
+Json block_at_a_corner(const std::string& basis, bool is_explicit, double offset, double before,
+                       double speed) {
+  const double x = 0.4 + offset * h, y = 0.3 + offset * h;
+  const Json hard = elastic_soil("neo_hookean", 1e7, 0.2, 2000);
+  Json scene = {{"dimension", 2},
+                {"grid", box({0, 0}, {1.4, 1}, {14, 10}, "quad4")},
+                {"basis", basis},
+                {"bodies",
+                 {body("bed", box({x - 0.2, y - 0.2}, {x + 0.8, y}, {10, 2}, "quad4"), 4, hard),
+                  body("wall", box({x - 0.2, y}, {x, y + 0.3}, {2, 3}, "quad4"), 4, hard),
+                  body("block", box({x + before, y}, {x + before + 0.3, y + 0.3}, {3, 3}, "quad4"),
+                       4, elastic_soil("neo_hookean", 1e6, 0.2, 1000), {-speed, 0})}},
+                {"contact_groups", groups_of("bed", "block", {{"friction", 0.1}})}};
+  scene["contact_groups"]["groups"][0]["bodies"] = {"bed", "wall"};
+  if (is_explicit) {
+    scene["time_integration"] = {{"scheme", "explicit"}};
+  } else {
+    scene["time_integration"] = trapezoid;
+    scene["newton"] = exact_newton;
+  }
+  return scene;
+}
+
+TEST(BodyGroups, a_corner_gives_no_energy) {
+  for (const char* basis : {"linear", "gimp"}) {
+    for (const bool is_explicit : {false, true}) {
+      for (const double offset : {0.0, 1e-4, 1.0 / 3}) {
+        const auto where = testing::Message() << basis << " " << is_explicit << " " << offset;
+        const double dt = is_explicit ? 4e-4 : 2e-3;
+        const auto rest = make_mpm(block_at_a_corner(basis, is_explicit, offset, 0, 0));
+        run_steps(*rest, dt, 10, 1);
+        EXPECT_LT(energy(*rest), 1e-9) << where;
+        const auto solver = make_mpm(block_at_a_corner(basis, is_explicit, offset, 0.03, 0.5));
+        const double start = energy(*solver);
+        double largest = start, force = 0;
+        for (int n = 1; n * dt <= 0.16; ++n) {
+          run_steps(*solver, dt, 1, n);
+          largest = std::max(largest, energy(*solver));
+          force = std::max(force, probe(*solver, "contact.a.b.fx"));
+        }
+        EXPECT_LT(largest, start * (1 + 1e-6)) << where;
+        EXPECT_GT(force, 10) << where;
+      }
+    }
+  }
+}
+
+/// How far its weight moves a block up that rests on a bed, with a wall beside it or without.
+double rise_on_bed(double offset, bool with_wall) {
+  Json scene = block_at_a_corner("gimp", false, offset, 0, 0);
+  scene.erase("time_integration");
+  scene["grid"] = box({0, 0.1 + offset * h}, {1.4, 1 + offset * h}, {14, 9}, "quad4");
+  scene["gravity"] = {0, -9.81};
+  scene["gravity_ramp"] = {{"duration", 0.05}};
+  scene["analysis"] = "quasi_static";
+  scene["walls"] = {wall("bottom", "fixed")};
+  scene["probes"] = {{{"name", "p"}, {"point", {0.56, 0.46}}}};
+  if (!with_wall) {
+    scene["bodies"].erase(1);
+    scene["contact_groups"]["groups"][0]["bodies"] = {"bed"};
+  }
+  const auto solver = make_mpm(scene);
+  run_steps(*solver, 0.005, 10, 1);
+  return probe(*solver, "p.uy");
+}
+
+TEST(BodyGroups, a_block_in_a_corner_sinks_as_on_a_flat_bed) {
+  const double flat = rise_on_bed(0, false), corner = rise_on_bed(0, true);
+  EXPECT_LT(flat, 0);
+  EXPECT_NEAR(corner, flat, 0.2 * std::abs(flat));
+}
+
 TEST(BodyGroups, blocks_that_collide_in_space) {
   for (const char* scheme : {"newmark", "explicit"}) {
     Json scene = {{"dimension", 3},

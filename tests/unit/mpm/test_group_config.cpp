@@ -82,6 +82,9 @@ TEST(GroupConfig, refuses_what_is_not_supported) {
   scene["grid"] = box({0, 0}, {1, 1.5}, {10, 15}, "tri3");
   expect_refusal(scene, "/contact_groups", "not a \"box\" of quad4");
   scene = with_groups(two_blocks(0));
+  scene["bodies"][1]["mesh"]["box"]["cells"] = {8, 3};
+  expect_refusal(scene, "/bodies/1/mesh", "squares");
+  scene = with_groups(two_blocks(0));
   scene["rigid_walls"] = {{{"name", "floor"},
                            {"method", "boundary_points"},
                            {"surface", {{"polyline", {{1, 0.1}, {0, 0.1}}}, {"spacing", 0.1}}}}};

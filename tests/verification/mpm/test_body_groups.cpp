@@ -41,14 +41,16 @@ struct Slope {
 
 Json block_on_bed(const Slope& slope) {
   const double angle = M_PI / 6, g = 9.81, top = slope.height * h;
+  const double cell = (top + 0.3) / 4;  // of the bed, a square
+  const int columns = static_cast<int>(std::lround(1.8 / cell));
   Json scene = {{"dimension", 2},
                 {"grid", box({0, -0.3}, {2, 0.8}, {20, 11}, "quad4")},
                 {"basis", slope.basis},
                 {"gravity", {g * std::sin(angle), -g * std::cos(angle)}},
                 {"walls", {wall("bottom", "fixed")}},
                 {"bodies",
-                 {body("bed", box({0.1, -0.3}, {1.9, top}, {18, 4}, "quad4"), 4,
-                       elastic_soil("neo_hookean", 1e8, 0.2, 2000)),
+                 {body("bed", box({0.1, -0.3}, {0.1 + columns * cell, top}, {columns, 4}, "quad4"),
+                       4, elastic_soil("neo_hookean", 1e8, 0.2, 2000)),
                   body("block", box({0.43, top}, {0.93, top + 0.3}, {5, 3}, "quad4"), 4,
                        elastic_soil("neo_hookean", 1e7, 0.2, 1000))}},
                 {"contact_groups", groups_of("bed", "block", {{"friction", slope.friction}})}};
