@@ -23,6 +23,10 @@ constexpr double renewal = 2;
 // closed before, are worth a warning.
 constexpr double notable_overlap = 0.25;
 
+// Share of the cell size by which the spheres along a normal overlap more than any two of them do
+// where the plane between them leans across a corner.
+constexpr double notable_lean = 0.25;
+
 // A new node whose gap lies below that of the closed ones around it by more than this share of the
 // cell size is not of their surface.
 constexpr double notable_difference = 0.05;
@@ -143,6 +147,21 @@ void GroupContact<dim>::warn_of_overlap(const SoilSurface<dim>& soil, const Touc
       fmt::join(x.data(), x.data() + dim, ", "));
 }
 
+template <int dim>
+void GroupContact<dim>::warn_of_corner(const SoilSurface<dim>& soil, const GroupNode<dim>& node) {
+  const double lean = notable_lean * cell_size_;
+  if (said_corner_ || !node.separates || node.gap >= -node.overlap - lean) return;
+  said_corner_ = true;
+  const GroupPair& pair = groups_.pairs[node.pair];
+  const Vector<dim> x = soil.grid.node(node.place);
+  log::warn(
+      "{}: bodies of \"{}\" and \"{}\" meet in a re-entrant corner near ({:.4g}): one node has one "
+      "normal, so that what slides into the corner may stop short of it or be lifted; give the "
+      "sides of the corner groups of their own",
+      groups_.where, groups_.names[pair.first], groups_.names[pair.second],
+      fmt::join(x.data(), x.data() + dim, ", "));
+}
+
 // Forces of the step before at nodes that both groups still have, but that carry no contact.
 template <int dim>
 void GroupContact<dim>::find_left_forces(const SoilSurface<dim>& soil) {
@@ -171,6 +190,7 @@ void GroupContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   has_substeps_ = false;
   touches_.clear();
   for (const GroupNode<dim>& node : find_contact_nodes(soil, groups_)) {
+    warn_of_corner(soil, node);
     Touch touch{.node = node};
     follow(touch);
     if (memory_.find(node.place, node.pair) == nullptr) go_on_from_neighbours(soil.grid, touch);

@@ -91,6 +91,7 @@ class GroupContact final : public Contact<dim> {
   void go_on_from_neighbours(const BackgroundGrid<dim>& grid, Touch& touch) const;
   void find_left_forces(const SoilSurface<dim>& soil);
   void warn_of_overlap(const SoilSurface<dim>& soil, const Touch& touch);
+  void warn_of_corner(const SoilSurface<dim>& soil, const GroupNode<dim>& node);
   void move(std::span<const double> du, Touch& touch) const;
   void set_slip(Touch& touch) const;
   void add_stiffness(const Touch& touch, const Matrix<dim>& slope, BlockMatrix<dim>& K) const;
@@ -102,7 +103,7 @@ class GroupContact final : public Contact<dim> {
   ContactEnergy energy_;
   double stored_slip_ = 0;             // part of the stored energy in tangential springs [J]
   std::vector<Vector<dim>> accepted_;  // forces()
-  bool said_overlap_ = false;
+  bool said_overlap_ = false, said_corner_ = false;
 
   // the step under way
   std::vector<Touch> touches_;
