@@ -81,7 +81,7 @@ TEST(FemConfig, law_of_soil_is_refused) {
   expect_refused(json, {"/material/law", "mohr_coulomb", "neo_hookean"});
   json["material"]["law"] = "hookean";
   expect_refused(json, {"/material/law: found \"hookean\", allowed: linear_elastic, neo_hookean, "
-                        "hencky_elastic, von_mises;"});
+                        "hencky_elastic, von_mises, concrete;"});
 }
 
 TEST(FemConfig, names_that_no_table_can_hold) {
