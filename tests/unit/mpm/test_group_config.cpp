@@ -56,7 +56,7 @@ TEST(GroupConfig, refuses_what_is_not_there_or_twice) {
   expect_refusal(scene, "/contact_groups/groups/1/name", "a second time");
   scene = with_groups(two_blocks(0));
   scene["contact_groups"]["groups"].erase(1);
-  expect_refusal(scene, "/contact_groups/groups", "1");
+  expect_refusal(scene, "/contact_groups/groups", "no group with the body \"high\"");
   scene = with_groups(two_blocks(0));
   scene["contact_groups"]["pairs"][0]["groups"] = {"a", "c"};
   expect_refusal(scene, "/contact_groups/pairs/0/groups", "\"c\"");
