@@ -2,10 +2,11 @@
 #include "mpm_solver/contact/contact_plane.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "mpm_solver/contact/contact_frame.hpp"
 
 namespace gabion::mpm {
 
@@ -136,25 +137,12 @@ struct SoftMargin {
   Vector<dim> way() const { return second.mean - first.mean; }
 };
 
-// Tangents of a normal, as columns.
-template <int dim>
-Eigen::Matrix<double, dim, dim - 1> tangents(const Vector<dim>& n) {
-  Eigen::Matrix<double, dim, dim - 1> result;
-  if constexpr (dim == 2) {
-    result << -n[1], n[0];
-  } else {
-    result.col(0) = n.unitOrthogonal();
-    result.col(1) = n.cross(Vector<dim>(result.col(0)));
-  }
-  return result;
-}
-
 // Newton's method for the normal with the largest soft margin, on the unit sphere.
 template <int dim>
 Vector<dim> widest_margin(const TwoClouds<dim>& clouds, Vector<dim> n, double k) {
   SoftMargin<dim> now(clouds, n, k);
   for (int step = 0; step < most_steps; ++step) {
-    const auto T = tangents<dim>(n);
+    const Eigen::Matrix<double, dim, dim - 1> T = frame_of<dim>(n).template rightCols<dim - 1>();
     const auto gradient = (T.transpose() * now.way()).eval();
     auto curvature = (k * T.transpose() * (now.first.spread + now.second.spread) * T).eval();
     curvature.diagonal().array() += std::max(1e-3, n.dot(now.way()));

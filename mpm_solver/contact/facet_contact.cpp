@@ -1,35 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/contact/facet_contact.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "mpm_solver/contact/contact_frame.hpp"
 #include "mpm_solver/contact/way_out.hpp"
 
 namespace gabion::mpm {
-
-namespace {
-
-template <int dim>
-Matrix<dim> frame_of(const Vector<dim>& n) {
-  Matrix<dim> frame;
-  frame.col(0) = n;
-  if constexpr (dim == 2) {
-    frame.col(1) << -n[1], n[0];
-  } else {
-    frame.col(1) = n.unitOrthogonal();
-    frame.col(2) = n.cross(frame.col(1));
-  }
-  return frame;
-}
-
-template <int dim>
-Vector<dim> tangential(const Vector<dim>& v, const Vector<dim>& n) {
-  return v - n.dot(v) * n;
-}
-
-}  // namespace
 
 template <int dim>
 ContactLaw FacetContact<dim>::law_of(const Candidate& c, std::int32_t owner, double part) const {

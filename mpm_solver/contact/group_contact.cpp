@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "common/base/log.hpp"
+#include "mpm_solver/contact/contact_frame.hpp"
 #include "mpm_solver/grid/group_fields.hpp"
 
 namespace gabion::mpm {
@@ -30,24 +30,6 @@ constexpr double notable_lean = 0.25;
 // A new node whose gap lies below that of the closed ones around it by more than this share of the
 // cell size is not of their surface.
 constexpr double notable_difference = 0.05;
-
-template <int dim>
-Vector<dim> tangential(const Vector<dim>& v, const Vector<dim>& n) {
-  return v - n.dot(v) * n;
-}
-
-template <int dim>
-Matrix<dim> frame_of(const Vector<dim>& n) {
-  Matrix<dim> frame;
-  frame.col(0) = n;
-  if constexpr (dim == 2) {
-    frame.col(1) << -n[1], n[0];
-  } else {
-    frame.col(1) = n.unitOrthogonal();
-    frame.col(2) = n.cross(frame.col(1));
-  }
-  return frame;
-}
 
 template <int dim>
 Eigen::Map<Vector<dim>> at(std::span<double> field, std::int32_t i) {
