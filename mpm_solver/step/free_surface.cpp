@@ -5,7 +5,9 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
+#include "mpm_solver/grid/sparse_list.hpp"
 #include "mpm_solver/small_cuts/ghost_stiffness.hpp"
 
 namespace gabion::mpm {
@@ -26,7 +28,12 @@ class Search {
  public:
   using Index = typename BoxGrid<dim>::Index;
 
-  explicit Search(const SurroundingsOfSoil<dim>& parts) : parts_(parts), box_(*parts.grid.box) {
+  explicit Search(const SurroundingsOfSoil<dim>& parts)
+      : parts_(parts),
+        box_(*parts.grid.box),
+        first_(box_.num_cells_total(), -1),
+        fill_(box_.num_cells_total(), 0.0),
+        walled_(box_.num_nodes_total(), 0) {
     list_points();
     list_walls();
   }
@@ -43,21 +50,16 @@ class Search {
   }
 
  private:
-  // The points of each cell, one cell after the other, and the share of it that they fill.
+  // The points of each cell, ascending, and the share of it that they fill.
   void list_points() {
     const auto& points = parts_.points;
-    starts_.assign(static_cast<std::size_t>(box_.num_cells_total()) + 1, 0);
-    fill_.assign(box_.num_cells_total(), 0.0);
-    for (std::int32_t p = 0; p < points.size(); ++p) {
-      ++starts_[points.cell[p] + 1];
-      fill_[points.cell[p]] += volume(p);
-    }
-    for (std::size_t c = 1; c < starts_.size(); ++c) starts_[c] += starts_[c - 1];
-    std::vector<std::int32_t> next(starts_.begin(), starts_.end() - 1);
-    of_cells_.resize(points.size());
+    next_.resize(points.size());
     sides_.resize(points.size());
+    for (std::int32_t p = points.size(); p-- > 0;) {
+      next_[p] = std::exchange(first_.at(points.cell[p]), p);
+    }
     for (std::int32_t p = 0; p < points.size(); ++p) {
-      of_cells_[next[points.cell[p]]++] = p;
+      fill_.at(points.cell[p]) += volume(p);
       sides_[p] = std::pow(volume(p), 1.0 / dim);
       largest_side_ = std::max(largest_side_, sides_[p]);
     }
@@ -69,14 +71,13 @@ class Search {
 
   // Bit 2 d + end of a node: a facet of a wall across axis d has it, at that end of the grid.
   void list_walls() {
-    walled_.assign(box_.num_nodes_total(), 0);
     const std::size_t n = num_nodes(facet_type(BoxGrid<dim>::cell_type));
     for (const WallSettings& wall : parts_.walls) {
       const auto& nodes = find_facets(parts_.grid.facet_groups, wall.group, wall.where);
       for (std::size_t first = 0; first < nodes.size(); first += n) {
         int sides = (1 << (2 * dim)) - 1;
         for (std::size_t k = 0; k < n; ++k) sides &= sides_at(lattice_index(nodes[first + k]));
-        for (std::size_t k = 0; k < n; ++k) walled_[nodes[first + k]] |= sides;
+        for (std::size_t k = 0; k < n; ++k) walled_.at(nodes[first + k]) |= sides;
       }
     }
   }
@@ -111,8 +112,7 @@ class Search {
       for (int d = 0, rest = k; d < dim; rest /= count[d], ++d) at[d] += rest % count[d];
       std::int32_t cell = 0;
       for (int d = dim; d-- > 0;) cell = cell * box_.num_cells[d] + at[d];
-      for (std::int32_t s = starts_[cell]; s < starts_[cell + 1]; ++s) {
-        const std::int32_t q = of_cells_[s];
+      for (std::int32_t q = first_[cell]; q >= 0; q = next_[q]) {
         const Vector<dim> place = box_.lattice_position(parts_.points.x[q]);
         for (int image = 0; image < (images ? 1 << dim : 1); ++image) {
           const auto mirrored = mirror(place, at, t, image);
@@ -221,11 +221,12 @@ class Search {
 
   const SurroundingsOfSoil<dim>& parts_;
   const BoxGrid<dim>& box_;
-  std::vector<std::int32_t> starts_, of_cells_;  // points of each cell
-  std::vector<double> fill_;                     // of each cell, share of its volume
-  std::vector<double> sides_;                    // of each point, by the spacing of the grid
+  SparseList<std::int32_t> first_;  // point of each cell, -1: none
+  SparseList<double> fill_;         // of each cell, share of its volume
+  SparseList<int> walled_;          // of each node, see list_walls
+  std::vector<std::int32_t> next_;  // of each point in its cell, -1: it is the last one
+  std::vector<double> sides_;       // of each point, by the spacing of the grid
   double largest_side_ = 0;
-  std::vector<int> walled_;  // of each node, see list_walls
 };
 
 }  // namespace
