@@ -199,13 +199,13 @@ class Step {
 
   // The whole way, or the first part of it that brings the equations nearer; the shortest part if
   // none does.
-  std::string go(const Vector7& way, Vector7& x) {
+  std::string go(const Vector7& path, Vector7& x) {
     const double before = norm();
     std::string refused;
     Vector7 tried = x;
     double part = 1;
     for (int k = 0; k <= max_backtracks; ++k, part /= 2) {
-      tried = x + part * way;
+      tried = x + part * path;
       if (k == 0) controls_.lead(share_, tried);
       refused = look_at(tried);
       if (refused.empty() && norm() < before) break;

@@ -70,10 +70,10 @@ std::string machine_of(const LockOwner& owner) {
 }
 
 std::string in_use(const fs::path& folder, const std::vector<LockOwner>& owners) {
-  const std::string way_out = "wait until it ends, or give another folder with --output";
+  const std::string shortest_exit = "wait until it ends, or give another folder with --output";
   if (owners.empty()) {
     return fmt::format("output folder {}: in use by another program, as {} tells; {}",
-                       folder.string(), (folder / lock_name).string(), way_out);
+                       folder.string(), (folder / lock_name).string(), shortest_exit);
   }
   // One that is known to live is the better answer.
   const auto alive = std::ranges::find_if(owners, [](const LockOwner& owner) {
@@ -89,7 +89,7 @@ std::string in_use(const fs::path& folder, const std::vector<LockOwner>& owners)
         "more, remove that file, or give another folder with --output",
         folder.string(), who);
   }
-  return fmt::format("output folder {}: in use by {}; {}", folder.string(), who, way_out);
+  return fmt::format("output folder {}: in use by {}; {}", folder.string(), who, shortest_exit);
 }
 
 /// Whether all that can open the file share one kernel, so that its locks are known to all.

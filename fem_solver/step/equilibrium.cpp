@@ -81,8 +81,8 @@ void Equilibrium<dim>::find_wave_speed(const FemSettings<dim>& settings) {
 }
 
 template <int dim>
-bool Equilibrium<dim>::brace(double share) {
-  brace_share_ = share;
+bool Equilibrium<dim>::regularise(double share) {
+  regularisation_share_ = share;
   return has_lines_;
 }
 
@@ -173,7 +173,8 @@ typename Equilibrium<dim>::CellSums Equilibrium<dim>::sum_cells(std::span<const 
   } else {
     shared().sum(internal, dim);
   }
-  const double line_share = support_ ? std::max(support_share, brace_share_) : brace_share_;
+  const double line_share =
+      support_ ? std::max(support_share, regularisation_share_) : regularisation_share_;
   if (K && line_share > 0) cells_.add_line_stiffness(line_share, *K);
   std::string fault;
   if (const std::int32_t c = stresses.inadmissible_cell; c >= cells_.num_cells()) {

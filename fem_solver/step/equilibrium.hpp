@@ -53,7 +53,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
   /// Regularises K at slack lines, whose force has a kink at the stress-free length.
-  bool brace(double share) override;
+  bool regularise(double share) override;
   /// Adds stiffness at lines without force, which hold their nodes in no direction across.
   bool support(bool on) override;
   double increment_scale() const override { return smallest_cell_size_; }
@@ -152,7 +152,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   double dt_ = 0;
   bool with_inertia_ = false;
   NodalForces forces_;
-  double brace_share_ = 0;
+  double regularisation_share_ = 0;
   bool support_ = false;
   CellHistory history_n_;
   std::vector<double> trial_history_;

@@ -77,18 +77,18 @@ Vector<dim> positive_lengths(ConfigReader& in, const std::string& key) {
 template <int dim>
 BoulderShape<dim> read_shape(const Scene& scene, ConfigReader in, double density) {
   BoulderShape<dim> shape;
-  const bool ball = in.has("radius"), box = in.has("box"), ellipsoid = in.has("ellipsoid");
+  const bool sphere = in.has("radius"), box = in.has("box"), ellipsoid = in.has("ellipsoid");
   const bool polygon = in.has("polygon"), triangles = in.has("triangles");
   if (dim == 2 && triangles) in.fail("triangles", "allowed in 2D: \"polygon\"");
   if (dim == 3 && polygon) in.fail("polygon", "allowed in 3D: \"triangles\"");
   const char* const keys[] = {"radius", "box", "ellipsoid", "polygon", "triangles"};
-  const bool given[] = {ball, box, ellipsoid, polygon, triangles};
+  const bool given[] = {sphere, box, ellipsoid, polygon, triangles};
   if (std::count(std::begin(given), std::end(given), true) != 1) {
     in.fail(box ? "box" : "radius",
             fmt::format("allowed: exactly one of {}", fmt::join(keys, ", ")));
   }
-  if (ball) {
-    shape = ball_shape<dim>(in.number("radius"), density);
+  if (sphere) {
+    shape = sphere_shape<dim>(in.number("radius"), density);
   } else if (box) {
     shape = box_shape<dim>(positive_lengths<dim>(in, "box"), density);
   } else if (ellipsoid) {
@@ -216,7 +216,7 @@ void warn_of_edges(const ConfigReader& in, const BoulderScene<dim>& settings) {
   if (dim == 2) return;
   std::vector<std::string> names;
   for (const auto& boulder : settings.boulders) {
-    if (boulder.shape.ball == 0) names.push_back(boulder.name);
+    if (boulder.shape.sphere == 0) names.push_back(boulder.name);
   }
   if (names.empty()) return;
   log::warn(

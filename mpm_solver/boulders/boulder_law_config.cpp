@@ -9,7 +9,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// The usual stiffness stops a ball of this speed within this share of its radius.
+// The usual stiffness stops a sphere of this speed within this share of its radius.
 constexpr double usual_speed = 10, usual_depth = 0.01;
 // Facets of rigid walls without a coefficient have this one too.
 constexpr double sticking = 100;
@@ -33,7 +33,7 @@ std::vector<Key> boulder_law_keys() {
           .in(between(0, 1))
           .or_else(0.4),
       key::number("rolling_resistance", "",
-                  "Largest resisting moment over radius and normal force; of balls only.")
+                  "Largest resisting moment over radius and normal force; of spheres only.")
           .in(non_negative())
           .or_else(0),
       key::number("free_from", "s", "It is held in steps that begin before that time.")
@@ -46,9 +46,9 @@ void read_boulder_law(ConfigReader& in, BoulderSettings<dim>& boulder) {
   boulder.law.friction = in.number("friction");
   boulder.law.restitution = in.number("restitution");
   boulder.law.rolling = in.number("rolling_resistance");
-  if (boulder.shape.ball == 0 && boulder.law.rolling > 0) {
+  if (boulder.shape.sphere == 0 && boulder.law.rolling > 0) {
     in.fail("rolling_resistance",
-            fmt::format("found {} with a shape that is no ball, allowed: 0", boulder.law.rolling));
+            fmt::format("found {} with a shape that is no sphere, allowed: 0", boulder.law.rolling));
   }
   boulder.soil_friction = in.has("soil_friction") ? in.number("soil_friction") : sticking;
   boulder.removes_soil = in.choice("soil_inside") == "remove";

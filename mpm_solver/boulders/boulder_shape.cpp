@@ -88,7 +88,7 @@ void divide(ContactSurface<2>& surface) {
   surface.facets = std::move(facets);
 }
 
-ContactSurface<2> unit_ball(std::integral_constant<int, 2>) {
+ContactSurface<2> unit_sphere(std::integral_constant<int, 2>) {
   ContactSurface<2> surface;
   for (int k = 0; k < disc_facets; ++k) {
     const double angle = 2 * std::numbers::pi * k / disc_facets;
@@ -99,7 +99,7 @@ ContactSurface<2> unit_ball(std::integral_constant<int, 2>) {
   return surface;
 }
 
-ContactSurface<3> unit_ball(std::integral_constant<int, 3>) {
+ContactSurface<3> unit_sphere(std::integral_constant<int, 3>) {
   ContactSurface<3> surface;
   surface.facet_type = CellType::tri3;
   const double g = std::numbers::phi;
@@ -287,7 +287,7 @@ BoulderShape<dim> ellipsoid_shape(const Vector<dim>& axes, double density) {
   const double volume = (dim == 2 ? pi : 4 * pi / 3) * axes.prod();
   BoulderShape<dim> shape;
   shape.mass = mass_of<dim>(volume, axes.cwiseAbs2() / (dim + 2), density);
-  shape.surface = unit_ball(std::integral_constant<int, dim>{});
+  shape.surface = unit_sphere(std::integral_constant<int, dim>{});
   for (Vector<dim>& X : shape.surface.vertices) X = X.cwiseProduct(axes);
   const double scale = std::pow(volume / moments_of(shape.surface).volume, 1. / dim);
   for (Vector<dim>& X : shape.surface.vertices) X *= scale;
@@ -296,9 +296,9 @@ BoulderShape<dim> ellipsoid_shape(const Vector<dim>& axes, double density) {
 }
 
 template <int dim>
-BoulderShape<dim> ball_shape(double radius, double density) {
+BoulderShape<dim> sphere_shape(double radius, double density) {
   BoulderShape<dim> shape = ellipsoid_shape<dim>(Vector<dim>::Constant(radius), density);
-  shape.ball = radius;
+  shape.sphere = radius;
   shape.thickness = 2 * radius;
   return shape;
 }
@@ -349,8 +349,8 @@ BoulderShape<dim> surface_shape(ContactSurface<dim> surface, double density) {
 
 template BodyMass mass_within<2>(const ContactSurface<2>&, double);
 template BodyMass mass_within<3>(const ContactSurface<3>&, double);
-template BoulderShape<2> ball_shape<2>(double, double);
-template BoulderShape<3> ball_shape<3>(double, double);
+template BoulderShape<2> sphere_shape<2>(double, double);
+template BoulderShape<3> sphere_shape<3>(double, double);
 template BoulderShape<2> box_shape<2>(const Vector<2>&, double);
 template BoulderShape<3> box_shape<3>(const Vector<3>&, double);
 template BoulderShape<2> ellipsoid_shape<2>(const Vector<2>&, double);

@@ -12,7 +12,7 @@ struct BoulderShape {
   BodyMass mass;
   ContactSurface<dim> surface;  ///< about the centre of mass, in axes of the body
   double radius = 0;            ///< of the sphere around the centre of mass that holds it [m]
-  double ball = 0;              ///< of a sphere or disc: its radius; others: 0 [m]
+  double sphere = 0;            ///< of a sphere or disc: its radius; others: 0 [m]
   double thickness = 0;         ///< smallest extent along an axis of the body [m]
 };
 
@@ -21,7 +21,7 @@ inline constexpr int facets_along_radius = 4;
 
 /// A disc or sphere; its facets hold its area or volume.
 template <int dim>
-BoulderShape<dim> ball_shape(double radius, double density);
+BoulderShape<dim> sphere_shape(double radius, double density);
 /// A rectangle or box about the origin. @param size  of its sides [m]
 template <int dim>
 BoulderShape<dim> box_shape(const Vector<dim>& size, double density);

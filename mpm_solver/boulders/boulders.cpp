@@ -39,7 +39,7 @@ std::vector<HardBody> hard_bodies(const BoulderScene<dim>& settings) {
   for (const auto& boulder : settings.boulders) {
     const auto& shape = boulder.shape;
     HardBody& body = bodies.emplace_back(HardBody{
-        .name = boulder.name, .mass = shape.mass, .ball = shape.ball, .radius = shape.radius});
+        .name = boulder.name, .mass = shape.mass, .sphere = shape.sphere, .radius = shape.radius});
     body.law = boulder.law;
     body.facets = hard_facets(shape.surface);
     for (const auto& X : shape.surface.vertices) body.vertices.push_back(in_space<dim>(X));

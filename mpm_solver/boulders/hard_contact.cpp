@@ -38,7 +38,7 @@ HardContact::HardContact(int dim, std::vector<HardBody> bodies, const Vector<3>&
 
 void HardContact::add_pairs(std::int32_t a, std::int32_t b, const Under& under, double reach,
                             std::vector<Pair>& pairs) const {
-  const double radius = under.ball_radius(a);
+  const double radius = under.sphere_radius(a);
   const auto num_facets = static_cast<std::int32_t>(under.facets(b).size());
   std::vector<std::int32_t> facets;  // of b near a
   std::vector<HardCorners> corners;
@@ -50,25 +50,25 @@ void HardContact::add_pairs(std::int32_t a, std::int32_t b, const Under& under, 
     corners.push_back(c);
   }
   if (facets.empty()) return;
-  const bool is_ball = radius > 0;
-  const auto num_balls =
-      static_cast<std::int32_t>(is_ball            ? 1
+  const bool is_sphere = radius > 0;
+  const auto num_spheres =
+      static_cast<std::int32_t>(is_sphere          ? 1
                                 : under.is_body(a) ? bodies_[a].vertices.size()
                                                    : under.obstacle(a).start.size());
   std::vector<char> counts;  // vertices of an obstacle
   if (!under.is_body(a)) {
     const Obstacle& o = under.obstacle(a);
     counts.resize(o.start.size());
-    for (std::int32_t k = 0; k < num_balls; ++k) {
-      const double distance = (under.ball(a, k, false) - under.s0[b].x).norm();
+    for (std::int32_t k = 0; k < num_spheres; ++k) {
+      const double distance = (under.sphere(a, k, false) - under.s0[b].x).norm();
       counts[k] = distance > bodies_[b].radius + reach ? 0 : 1;
     }
     // The shape's own vertices come first to what does not stick out.
     counts = sticking_out(o.facets, dim_, o.start, std::move(counts));
   }
-  for (std::int32_t k = 0; k < num_balls; ++k) {
+  for (std::int32_t k = 0; k < num_spheres; ++k) {
     if (!counts.empty() && counts[k] == 0) continue;
-    const Vector<3> c = under.ball(a, k, false);
+    const Vector<3> c = under.sphere(a, k, false);
     if (under.is_body(b) && (c - under.s0[b].x).norm() > bodies_[b].radius + radius + reach)
       continue;
     for (std::size_t f = 0; f < facets.size(); ++f) {
@@ -89,14 +89,14 @@ std::vector<HardContact::Pair> HardContact::near_pairs(const std::vector<BodySta
       if (b < num_bodies()) {
         const double apart = (states[a].x - states[b].x).norm();
         if (apart > bodies_[a].radius + bodies_[b].radius + reach) continue;
-        if (bodies_[b].ball > 0) {
-          if (a < b && bodies_[a].ball > 0) pairs.push_back({a, 0, b, -1});
+        if (bodies_[b].sphere > 0) {
+          if (a < b && bodies_[a].sphere > 0) pairs.push_back({a, 0, b, -1});
           continue;
         }
       }
       add_pairs(a, b, under, reach, pairs);
     }
-    if (bodies_[a].ball > 0) continue;
+    if (bodies_[a].sphere > 0) continue;
     for (std::int32_t o = num_bodies(); o < total; ++o) add_pairs(o, a, under, reach, pairs);
   }
   return pairs;
@@ -163,8 +163,8 @@ bool HardContact::solve_within(double reach, const Start& start, const Step& ste
       under.share1 = h == remaining ? 1 : (done + h) / step.dt;
       if (solve_near(h, end.memories, watched, under, sums)) break;
     }
-    const auto way = ways(under);
-    for (Watched& w : watched) w.apart -= way[w.pairs.front().a] + way[w.pairs.front().b];
+    const auto path = paths(under);
+    for (Watched& w : watched) w.apart -= path[w.pairs.front().a] + path[w.pairs.front().b];
     add_substep(under, h / step.dt, sums, end);
     under.s0 = under.s1;
     done = h == remaining ? step.dt : done + h;
@@ -229,10 +229,10 @@ HardContact::Overlap HardContact::deepest_overlap(const std::vector<BodyState>& 
   for (const HardBody& body : bodies_) reach = std::max(reach, body.radius);
   Overlap found;
   Under::for_groups(near_pairs(states, step, reach), [&](std::span<const Pair> group) {
-    const auto& [a, ball, b, facet] = group.front();
-    const double radius = under.ball_radius(a);
+    const auto& [a, sphere, b, facet] = group.front();
+    const double radius = under.sphere_radius(a);
     double depth = -infinity, least = infinity;
-    Vector<3> at = under.ball(a, ball, false);
+    Vector<3> at = under.sphere(a, sphere, false);
     if (is_point(group.front(), under)) {
       std::vector<HardCorners> corners;
       for (const Pair& pair : group) corners.push_back(under.corners(b, pair.facet, false));

@@ -30,7 +30,7 @@ using HardFacet = std::array<std::int32_t, 3>;
 struct HardBody {
   std::string name;
   BodyMass mass;
-  double ball = 0;                       ///< radius, 0: not a sphere [m]
+  double sphere = 0;                     ///< radius, 0: not a sphere [m]
   double radius = 0;                     ///< of a sphere about the centre that holds it [m]
   std::vector<Vector<3>> vertices = {};  ///< in axes of the body [m]
   std::vector<HardFacet> facets = {};
@@ -127,15 +127,15 @@ class HardContact {
   double substep(const Under& under, std::vector<Watched>& watched, const HardMemories& memories,
                  double remaining) const;
   double stiffness_over_mass(const Place& place, std::int32_t c, double speed, double& now) const;
-  std::vector<double> ways(const Under& under) const;
+  std::vector<double> paths(const Under& under) const;
   bool solve_near(double h, const HardMemories& memories, const std::vector<Watched>& watched,
                   Under& under, Sums& sums) const;
   bool locate(const Pair& pair, const Under& under, Place& place) const;
   bool is_point(const Pair& pair, const Under& under) const;
   bool point_place(std::span<const Pair> group, const Under& under, const HardMemories& memories,
                    Place& place) const;
-  bool ball_place(const Pair& pair, const Under& under, Place& place) const;
-  std::vector<Place> ball_places(std::span<const Pair> group, const Under& under) const;
+  bool sphere_place(const Pair& pair, const Under& under, Place& place) const;
+  std::vector<Place> sphere_places(std::span<const Pair> group, const Under& under) const;
   void recall(const Under& under, const std::vector<HardMemory>& known,
               std::vector<Place>& places) const;
   std::vector<Place> places_of(std::span<const Pair> group, const Under& under,

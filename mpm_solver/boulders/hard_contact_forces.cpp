@@ -68,7 +68,7 @@ void HardContact::evaluate(const Under& under, const std::vector<Pair>& pairs,
 }
 
 void HardContact::add_place(const Under& under, const Place& place, Sums& sums) const {
-  const auto [a, ball, b, facet] = place.pair;
+  const auto [a, sphere, b, facet] = place.pair;
   const HardLaw law = law_of(a, b);
   const double rate = (place.g1 - place.g0) / under.h;
   const double N =
@@ -82,19 +82,19 @@ void HardContact::add_place(const Under& under, const Place& place, Sums& sums) 
   memory.offset = std::min(0.0, std::max(place.offset, gap));
   memory.gap = gap - memory.offset;
   const double stiffness = tangential_stiffness(a, b, law);
-  memory.slip += under.relative_way(place);
+  memory.slip += under.relative_motion(place);
   memory.slip -= n.dot(memory.slip) * n;
   memory.slip = spring(memory.slip, stiffness, law.friction * N);
   const Vector<3> force = N * place.normal - stiffness * memory.slip;
   Vector<3> moment = Vector<3>::Zero();
-  const double radius = under.ball_radius(a);
+  const double radius = under.sphere_radius(a);
   if (radius > 0 && law.rolling > 0) {
     const double resisting = stiffness * radius * radius;
     memory.turn += under.turn(a) - under.turn(b);
     memory.turn = spring(memory.turn, resisting, law.rolling * radius * N);
     moment = -resisting * memory.turn;
   }
-  sums.memories[{a, ball, b}].push_back(memory);
+  sums.memories[{a, sphere, b}].push_back(memory);
   for (const std::int32_t c : {a, b}) {
     const double sign = c == a ? 1 : -1;
     if (under.is_body(c)) {
@@ -104,7 +104,7 @@ void HardContact::add_place(const Under& under, const Place& place, Sums& sums) 
     }
     const std::size_t obstacle = c - bodies_.size();
     if (c == a) {
-      sums.nodal_force(obstacle, ball) += force;
+      sums.nodal_force(obstacle, sphere) += force;
       continue;
     }
     const HardFacet& vertices = under.facets(b)[facet];
@@ -119,7 +119,7 @@ double HardContact::stored_energy(const HardMemories& memories) const {
   for (const auto& [key, list] : memories) {
     const HardLaw law = law_of(key[0], key[2]);
     const double stiffness = tangential_stiffness(key[0], key[2], law);
-    const double radius = key[0] < num_bodies() ? bodies_[key[0]].ball : 0;
+    const double radius = key[0] < num_bodies() ? bodies_[key[0]].sphere : 0;
     for (const HardMemory& memory : list) {
       const double depth = std::max(-memory.gap, 0.0);
       sum += kept(law.restitution) * law.stiffness * depth * depth * depth / 3;

@@ -16,8 +16,8 @@ namespace gabion::mpm {
 inline constexpr double same_normal = 0.9;
 
 struct HardContact::Pair {
-  std::int32_t a = 0, ball = 0;   // what has the sphere: a body, or an obstacle with its vertex
-  std::int32_t b = 0, facet = 0;  // what has the facet, -1: it is a sphere about the centre
+  std::int32_t a = 0, sphere = 0;  // what has the sphere: a body, or an obstacle with its vertex
+  std::int32_t b = 0, facet = 0;   // what has the facet, -1: it is a sphere about the centre
 };
 
 // A sphere and a surface; they are no nearer than `apart` at the start of a substep.
@@ -82,8 +82,8 @@ struct HardContact::Under {
   template <class Visit>
   static void for_groups(const std::vector<Pair>& pairs, const Visit& visit) {
     for (std::size_t k = 0, end = 0; k < pairs.size(); k = end) {
-      const auto& [a, ball, b, facet] = pairs[k];
-      while (end < pairs.size() && pairs[end].a == a && pairs[end].ball == ball &&
+      const auto& [a, sphere, b, facet] = pairs[k];
+      while (end < pairs.size() && pairs[end].a == a && pairs[end].sphere == sphere &&
              pairs[end].b == b) {
         ++end;
       }
@@ -98,11 +98,11 @@ struct HardContact::Under {
     const Obstacle& o = obstacle(c);
     return o.start[v] + (at_end ? share1 : share0) * (o.end[v] - o.start[v]);
   }
-  Vector<3> ball(std::int32_t c, std::int32_t k, bool at_end) const {
-    if (is_body(c) && bodies[c].ball > 0) return (at_end ? s1 : s0)[c].x;
+  Vector<3> sphere(std::int32_t c, std::int32_t k, bool at_end) const {
+    if (is_body(c) && bodies[c].sphere > 0) return (at_end ? s1 : s0)[c].x;
     return vertex(c, k, at_end);
   }
-  double ball_radius(std::int32_t c) const { return is_body(c) ? bodies[c].ball : 0; }
+  double sphere_radius(std::int32_t c) const { return is_body(c) ? bodies[c].sphere : 0; }
   HardCorners corners(std::int32_t c, std::int32_t facet, bool at_end) const {
     HardCorners result{.count = dim};
     for (int k = 0; k < dim; ++k) result.x[k] = vertex(c, facets(c)[facet][k], at_end);
@@ -113,23 +113,23 @@ struct HardContact::Under {
     return step.held[c] != 0 ? BodyMove{} : move_of(s0[c], s1[c], h);
   }
   // Way of what is at x in the middle of the substep.
-  Vector<3> way(std::int32_t c, const Vector<3>& x, const Place& place) const {
+  Vector<3> path(std::int32_t c, const Vector<3>& x, const Place& place) const {
     if (is_body(c)) {
       const BodyMove moved = move(c);
       return moved.shift + moved.turn.cross(x - middle(c));
     }
     if (c == place.pair.a) {
-      return vertex(c, place.pair.ball, true) - vertex(c, place.pair.ball, false);
+      return vertex(c, place.pair.sphere, true) - vertex(c, place.pair.sphere, false);
     }
-    Vector<3> way = Vector<3>::Zero();
+    Vector<3> path = Vector<3>::Zero();
     const HardFacet& facet = facets(c)[place.pair.facet];
     for (int k = 0; k < dim; ++k) {
-      way += place.foot.weights[k] * (vertex(c, facet[k], true) - vertex(c, facet[k], false));
+      path += place.foot.weights[k] * (vertex(c, facet[k], true) - vertex(c, facet[k], false));
     }
-    return way;
+    return path;
   }
-  Vector<3> relative_way(const Place& place) const {
-    return way(place.pair.a, place.x, place) - way(place.pair.b, place.x, place);
+  Vector<3> relative_motion(const Place& place) const {
+    return path(place.pair.a, place.x, place) - path(place.pair.b, place.x, place);
   }
   Vector<3> turn(std::int32_t c) const {
     return is_body(c) ? move(c).turn : Vector<3>(Vector<3>::Zero());
@@ -145,11 +145,11 @@ struct HardContact::Under {
   static std::vector<double> speeds_of(const Step& step) {
     std::vector<double> speeds;
     for (const Obstacle& o : step.obstacles) {
-      double way = 0;
+      double path = 0;
       for (std::size_t v = 0; v < o.start.size(); ++v) {
-        way = std::max(way, (o.end[v] - o.start[v]).norm());
+        path = std::max(path, (o.end[v] - o.start[v]).norm());
       }
-      speeds.push_back(way / step.dt);
+      speeds.push_back(path / step.dt);
     }
     return speeds;
   }

@@ -26,14 +26,15 @@ double HardContact::size_of(const Pair& pair) const {
 }
 
 bool HardContact::is_point(const Pair& pair, const Under& under) const {
-  return pair.facet >= 0 && under.ball_radius(pair.a) == 0;
+  return pair.facet >= 0 && under.sphere_radius(pair.a) == 0;
 }
 
 // A point touches where a surface is nearest to it, if it came there from its front.
 bool HardContact::point_place(std::span<const Pair> group, const Under& under,
                               const HardMemories& memories, Place& place) const {
-  const auto [a, ball, b, facet] = group.front();
-  const std::array<Vector<3>, 2> c = {under.ball(a, ball, false), under.ball(a, ball, true)};
+  const auto [a, sphere, b, facet] = group.front();
+  const std::array<Vector<3>, 2> c = {under.sphere(a, sphere, false),
+                                      under.sphere(a, sphere, true)};
   std::vector<HardCorners> start, end;
   for (const Pair& pair : group) {
     start.push_back(under.corners(b, pair.facet, false));
@@ -41,7 +42,7 @@ bool HardContact::point_place(std::span<const Pair> group, const Under& under,
   }
   const HardNearest n0 = nearest_of(start, c[0]), n1 = nearest_of(end, c[1]);
   if (n0.facet < 0 || n1.facet < 0) return false;
-  const auto known = memories.find({a, ball, b});
+  const auto known = memories.find({a, sphere, b});
   const bool is_known = known != memories.end();
   const double rounding = entry * size_of(group.front());
   if (!is_known && n0.gap < -rounding) return false;
@@ -52,29 +53,30 @@ bool HardContact::point_place(std::span<const Pair> group, const Under& under,
   place.g1 = n1.gap;
   place.x = 0.5 * (c[0] + c[1]);
   const Vector<3> normal = mean_normal(nearest, start[nearest.facet], end[nearest.facet], c);
-  const Vector<3> way = under.relative_way(place);
+  const Vector<3> path = under.relative_motion(place);
   // A gap that changes by more than the way is that of a point that goes round a free border.
-  if (!is_known && n0.gap - n1.gap > (1 + entry) * way.norm() + rounding) return false;
+  if (!is_known && n0.gap - n1.gap > (1 + entry) * path.norm() + rounding) return false;
   place.direction = normal.normalized();
-  place.normal = along_way(normal, way, place.g1 - place.g0, place.x.norm() + size_of(place.pair));
+  place.normal =
+      along_motion(normal, path, place.g1 - place.g0, place.x.norm() + size_of(place.pair));
   if (is_known) place.known = known->second.front();
   return true;
 }
 
-bool HardContact::ball_place(const Pair& pair, const Under& under, Place& place) const {
+bool HardContact::sphere_place(const Pair& pair, const Under& under, Place& place) const {
   return locate(pair, under, place) && std::max(place.g0, place.g1) > -deepest * size_of(pair);
 }
 
 bool HardContact::locate(const Pair& pair, const Under& under, Place& place) const {
   place.pair = pair;
-  const Vector<3> c0 = under.ball(pair.a, pair.ball, false);
-  const Vector<3> c1 = under.ball(pair.a, pair.ball, true);
-  const double radius = under.ball_radius(pair.a);
+  const Vector<3> c0 = under.sphere(pair.a, pair.sphere, false);
+  const Vector<3> c1 = under.sphere(pair.a, pair.sphere, true);
+  const double radius = under.sphere_radius(pair.a);
   HardGap gap;
   if (pair.facet < 0) {
     gap = gap_of_points(c0 - under.s0[pair.b].x, c1 - under.s1[pair.b].x);
-    gap.g0 -= bodies_[pair.b].ball;
-    gap.g1 -= bodies_[pair.b].ball;
+    gap.g0 -= bodies_[pair.b].sphere;
+    gap.g1 -= bodies_[pair.b].sphere;
     place.foot.support = 0;
   } else {
     const HardCorners f0 = under.corners(pair.b, pair.facet, false);
@@ -92,15 +94,15 @@ bool HardContact::locate(const Pair& pair, const Under& under, Place& place) con
   return true;
 }
 
-// A ball may touch faces, then edges and corners that are nearer than all facets around them and
+// A sphere may touch faces, then edges and corners that are nearer than all facets around them and
 // belong to no face that it touches.
-std::vector<HardContact::Place> HardContact::ball_places(std::span<const Pair> group,
-                                                         const Under& under) const {
+std::vector<HardContact::Place> HardContact::sphere_places(std::span<const Pair> group,
+                                                           const Under& under) const {
   std::vector<Place> found, places, edges;
   LeastDistances least;
   for (const Pair& pair : group) {
     Place place;
-    if (!ball_place(pair, under, place)) continue;
+    if (!sphere_place(pair, under, place)) continue;
     if (pair.facet >= 0) least.add(under.facets(pair.b)[pair.facet], dim_, place.distance);
     found.push_back(place);
   }
@@ -127,7 +129,7 @@ std::vector<HardContact::Place> HardContact::ball_places(std::span<const Pair> g
 }
 
 // A place goes on from the gap that it had, whatever of the surface is nearest now. One that is
-// seen first where the ball is inside begins there without a force.
+// seen first where the sphere is inside begins there without a force.
 void HardContact::recall(const Under& under, const std::vector<HardMemory>& known,
                          std::vector<Place>& places) const {
   std::vector<char> used(known.size(), 0), done(places.size(), 0);
@@ -139,8 +141,8 @@ void HardContact::recall(const Under& under, const std::vector<HardMemory>& know
         const double cosine = known[k].normal.dot(places[i].direction);
         if (done[i] != 0 || used[k] != 0 || cosine < best) continue;
         const double gap = known[k].gap + known[k].offset;
-        const double way = under.relative_way(places[i]).norm();
-        if (std::abs(places[i].g0 - gap) > way + same_gap * std::abs(gap)) continue;
+        const double path = under.relative_motion(places[i]).norm();
+        if (std::abs(places[i].g0 - gap) > path + same_gap * std::abs(gap)) continue;
         best = cosine;
         p = i;
         m = k;
@@ -158,8 +160,8 @@ void HardContact::recall(const Under& under, const std::vector<HardMemory>& know
     if (done[i] == 0 && place.g0 < -entry * size) place.offset = place.g0;
     place.g0 -= place.offset;
     place.g1 -= place.offset;
-    place.normal = along_way(place.normal, under.relative_way(place), place.g1 - place.g0,
-                             place.x.norm() + size);
+    place.normal = along_motion(place.normal, under.relative_motion(place), place.g1 - place.g0,
+                                place.x.norm() + size);
   }
 }
 
@@ -173,7 +175,7 @@ std::vector<HardContact::Place> HardContact::near_places(std::span<const Pair> g
     if (point_place(group, under, memories, place)) places.push_back(place);
     return places;
   }
-  return ball_places(group, under);
+  return sphere_places(group, under);
 }
 
 std::vector<HardContact::Place> HardContact::places_of(std::span<const Pair> group,
@@ -182,7 +184,7 @@ std::vector<HardContact::Place> HardContact::places_of(std::span<const Pair> gro
   std::vector<Place> places = near_places(group, under, memories);
   std::erase_if(places, [](const Place& place) { return !place.touches(); });
   if (is_point(group.front(), under)) return places;
-  const auto found = memories.find({group.front().a, group.front().ball, group.front().b});
+  const auto found = memories.find({group.front().a, group.front().sphere, group.front().b});
   recall(under, found == memories.end() ? std::vector<HardMemory>() : found->second, places);
   return places;
 }

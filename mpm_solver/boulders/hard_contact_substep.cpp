@@ -29,7 +29,7 @@ constexpr double same_place = 1e-17;
 }  // namespace
 
 // Largest displacement of a point of each body and obstacle in the substep.
-std::vector<double> HardContact::ways(const Under& under) const {
+std::vector<double> HardContact::paths(const Under& under) const {
   std::vector<double> result;
   for (std::size_t c = 0; c < bodies_.size() + under.step.obstacles.size(); ++c) {
     const auto number = static_cast<std::int32_t>(c);
@@ -174,7 +174,7 @@ bool HardContact::solve_near(double h, const HardMemories& memories,
       if (all || w.apart <= 2 * most) pairs.insert(pairs.end(), w.pairs.begin(), w.pairs.end());
     }
     if (!solve_substep(h, memories, pairs, under, sums)) return false;
-    if (all || std::ranges::max(ways(under)) <= most) return true;
+    if (all || std::ranges::max(paths(under)) <= most) return true;
   }
   return true;
 }

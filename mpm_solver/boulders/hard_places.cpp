@@ -179,10 +179,11 @@ Vector<3> mean_normal(const HardNearest& nearest, const HardCorners& start, cons
   return (nearest.gap < 0 ? -1 : 1) / both * (d0 + d1);
 }
 
-Vector<3> along_way(const Vector<3>& normal, const Vector<3>& way, double change, double scale) {
-  const double missing = change - normal.dot(way);
+Vector<3> along_motion(const Vector<3>& normal, const Vector<3>& path, double change,
+                       double scale) {
+  const double missing = change - normal.dot(path);
   if (std::abs(missing) <= rounding * scale) return normal;
-  return normal + missing / way.squaredNorm() * way;
+  return normal + missing / path.squaredNorm() * path;
 }
 
 void LeastDistances::add(const std::array<std::int32_t, 3>& facet, int count, double distance) {

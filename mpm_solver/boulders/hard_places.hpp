@@ -62,7 +62,7 @@ Vector<3> mean_normal(const HardNearest& nearest, const HardCorners& start, cons
 /// A direction moved along the way such that normal . way is the change of the gap, whatever is
 /// nearest at the two ends (the discrete gradient of Gonzalez).
 /// @param scale  of the coordinates: what is less than their rounding is left [m]
-Vector<3> along_way(const Vector<3>& normal, const Vector<3>& way, double change, double scale);
+Vector<3> along_motion(const Vector<3>& normal, const Vector<3>& path, double change, double scale);
 
 /// Gap from the differences of two points.
 HardGap gap_of_points(const Vector<3>& d0, const Vector<3>& d1);

@@ -22,7 +22,7 @@ constexpr std::size_t most_boulders = 10000;
 
 KeyTable region_keys() {
   return {"random_region",
-          "Where a ball around each boulder lies wholly.",
+          "Where a sphere around each boulder lies wholly.",
           {key::vector("low", "m", "Corner of a box along the axes.").with("high").or_none(),
            key::vector("high", "m", "The opposite corner.").with("low").or_none(),
            key::rows("polygon", "m", "Corners [x, y] of a polygon, in 3D of its outline in plan.")
@@ -47,7 +47,7 @@ KeyTable size_keys() {
        key::number("max", "m", "Largest size.").in(positive())}};
   return {
       "random_sizes",
-      "Diameters of balls (2D: discs) of the same volume.",
+      "Diameters of spheres (2D: discs) of the same volume.",
       {key::vector("uniform", "m", "[smallest, largest], all sizes equally likely by number.")
            .in(positive())
            .wide(2, 2)
@@ -160,11 +160,11 @@ RandomRegion<dim> read_region(ConfigReader in) {
   return region;
 }
 
-enum class Kind { ball, box, ellipsoid };
+enum class Kind { sphere, box, ellipsoid };
 
 /// What the shapes of an entry have in common.
 struct RandomShape {
-  Kind kind = Kind::ball;
+  Kind kind = Kind::sphere;
   double density = 0;
   std::vector<std::vector<double>> ratios;  // ranges of b/a and c/b
 };
@@ -172,16 +172,16 @@ struct RandomShape {
 template <int dim>
 RandomShape read_random_shape(ConfigReader& in) {
   const std::string kind = in.choice("shape");
-  RandomShape shape{.kind = kind == "ball"  ? Kind::ball
-                            : kind == "box" ? Kind::box
-                                            : Kind::ellipsoid,
+  RandomShape shape{.kind = kind == "sphere" ? Kind::sphere
+                            : kind == "box"  ? Kind::box
+                                             : Kind::ellipsoid,
                     .density = in.number("density"),
                     .ratios = {}};
   if (!in.has("axis_ratios")) {
     shape.ratios.assign(dim - 1, {1, 1});
     return shape;
   }
-  if (shape.kind == Kind::ball) in.fail("axis_ratios", "allowed only with a box or an ellipsoid");
+  if (shape.kind == Kind::sphere) in.fail("axis_ratios", "allowed only with a box or an ellipsoid");
   shape.ratios = in.rows("axis_ratios", 2);
   bool allowed = shape.ratios.size() == dim - 1;
   for (const auto& range : shape.ratios) {
@@ -194,17 +194,17 @@ RandomShape read_random_shape(ConfigReader& in) {
   return shape;
 }
 
-// A shape of the volume of a ball of this diameter.
+// A shape of the volume of a sphere of this diameter.
 template <int dim>
 BoulderShape<dim> draw_shape(const RandomShape& of, double size, RandomNumbers& random) {
-  if (of.kind == Kind::ball) return ball_shape<dim>(0.5 * size, of.density);
+  if (of.kind == Kind::sphere) return sphere_shape<dim>(0.5 * size, of.density);
   Vector<dim> axes = Vector<dim>::Ones();  // over the longest
   for (int d = 1; d < dim; ++d) {
     axes[d] = axes[d - 1] * random.between(of.ratios[d - 1][0], of.ratios[d - 1][1]);
   }
-  const double ball = dim == 2 ? pi / 4 : pi / 6;
-  const double full = of.kind == Kind::box ? 1 : ball;
-  axes *= size * std::pow(ball / (full * axes.prod()), 1. / dim);
+  const double sphere = dim == 2 ? pi / 4 : pi / 6;
+  const double full = of.kind == Kind::box ? 1 : sphere;
+  axes *= size * std::pow(sphere / (full * axes.prod()), 1. / dim);
   return of.kind == Kind::box ? box_shape<dim>(axes, of.density)
                               : ellipsoid_shape<dim>(0.5 * axes, of.density);
 }
@@ -293,14 +293,15 @@ KeyTable random_boulder_keys() {
            .or_none(),
        key::object("region", region_keys(), "Where they are placed."),
        key::object("sizes", size_keys(), "How large they are."),
-       key::choice("shape", {"ball", "box", "ellipsoid"}, "Shape of all of them.").or_else("ball"),
+       key::choice("shape", {"sphere", "box", "ellipsoid"}, "Shape of all of them.")
+           .or_else("sphere"),
        key::rows("axis_ratios", "",
                  "Ranges [low, high] of middle over longest length and, in 3D, shortest over "
                  "middle; none: 1.")
            .wide(2, 2)
            .or_none(),
        key::number("minimum_distance", "m",
-                   "Between the balls around two boulders, or around one and a surface.")
+                   "Between the spheres around two boulders, or around one and a surface.")
            .in(non_negative())
            .or_else(0),
        key::integer("seed",
@@ -339,7 +340,7 @@ std::vector<BoulderSettings<dim>> read_random_boulders(ConfigReader& in,
     read_boulder_law(in, boulder);
     boulder.law.stiffness =
         in.optional_number("stiffness").value_or(usual_stiffness(boulder.shape));
-    if (shape.kind != Kind::ball) boulder.start.q = draw_orientation<dim>(random);
+    if (shape.kind != Kind::sphere) boulder.start.q = draw_orientation<dim>(random);
     std::copy(velocity.begin(), velocity.end(), boulder.start.v.begin());
     try {
       boulder.start.x.template head<dim>() = places.draw(boulder.shape.radius, random);

@@ -32,7 +32,7 @@ RandomPlaces<dim>::RandomPlaces(const RandomRegion<dim>& region, const BoulderSc
                                 double apart)
     : region_(region), apart_(apart) {
   for (const auto& boulder : among.boulders) {
-    balls_.push_back({boulder.start.x.template head<dim>(), boulder.shape.radius});
+    spheres_.push_back({boulder.start.x.template head<dim>(), boulder.shape.radius});
   }
   for (const auto& surface : surfaces_at_start<dim>(among.interfaces, among.rigid_walls)) {
     Eigen::AlignedBox<double, dim> around = region.box;
@@ -41,18 +41,18 @@ RandomPlaces<dim>::RandomPlaces(const RandomRegion<dim>& region, const BoulderSc
   }
 }
 
-// The count of the reason why a ball has no room, null: it has.
+// The count of the reason why a sphere has no room, null: it has.
 template <int dim>
-int* RandomPlaces<dim>::refusal(const Ball& ball, Rejected& rejected) const {
-  if (!region_.holds(ball.centre, ball.radius)) return &rejected.out_of_region;
-  for (const Ball& other : balls_) {
-    const double least = ball.radius + other.radius + apart_;
-    if ((ball.centre - other.centre).squaredNorm() < least * least) return &rejected.at_boulder;
+int* RandomPlaces<dim>::refusal(const Sphere& sphere, Rejected& rejected) const {
+  if (!region_.holds(sphere.centre, sphere.radius)) return &rejected.out_of_region;
+  for (const Sphere& other : spheres_) {
+    const double least = sphere.radius + other.radius + apart_;
+    if ((sphere.centre - other.centre).squaredNorm() < least * least) return &rejected.at_boulder;
   }
   for (const auto& surface : surfaces_) {
-    const SurfaceSide side = surface.side(ball.centre);
+    const SurfaceSide side = surface.side(sphere.centre);
     const bool behind = side.known() && !side.in_front();
-    if (behind || side.distance < ball.radius + apart_) return &rejected.at_surface;
+    if (behind || side.distance < sphere.radius + apart_) return &rejected.at_surface;
   }
   return nullptr;
 }
@@ -61,22 +61,23 @@ template <int dim>
 Vector<dim> RandomPlaces<dim>::draw(double radius, RandomNumbers& random) {
   Rejected now;
   for (int k = 0; k < most_draws; ++k) {
-    Ball ball{.centre = Vector<dim>::Zero(), .radius = radius};
+    Sphere sphere{.centre = Vector<dim>::Zero(), .radius = radius};
     for (int d = 0; d < dim; ++d) {
-      ball.centre[d] = random.between(region_.box.min()[d], region_.box.max()[d]);
+      sphere.centre[d] = random.between(region_.box.min()[d], region_.box.max()[d]);
     }
-    if (int* reason = refusal(ball, now)) {
+    if (int* reason = refusal(sphere, now)) {
       ++*reason;
       continue;
     }
-    balls_.push_back(ball);
+    spheres_.push_back(sphere);
     rejected_.out_of_region += now.out_of_region;
     rejected_.at_boulder += now.at_boulder;
     rejected_.at_surface += now.at_surface;
-    return ball.centre;
+    return sphere.centre;
   }
   throw ConfigError(fmt::format(
-      "found no room in {} draws for a ball of radius {:.4g} m around a boulder, between ({:.6g}) "
+      "found no room in {} draws for a sphere of radius {:.4g} m around a boulder, between "
+      "({:.6g}) "
       "and ({:.6g}): {} left the region, {} came to other boulders, {} to interfaces or rigid "
       "walls; "
       "allowed: fewer or smaller boulders, a smaller distance, a larger region",

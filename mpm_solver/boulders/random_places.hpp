@@ -19,12 +19,12 @@ struct RandomRegion {
   Polygon polygon;                     ///< in either direction, empty: the box
 
   double volume() const;  ///< 2D: area
-  /// Whether a ball lies in it.
+  /// Whether a sphere lies in it.
   bool holds(const Vector<dim>& centre, double radius) const;
 };
 
-/// Places for balls around boulders: in a region, apart from each other, from other boulders and in
-/// front of interfaces and rigid walls as they are at time 0. One ball after the other, each where
+/// Places for spheres around boulders: in a region, apart from each other, from other boulders and in
+/// front of interfaces and rigid walls as they are at time 0. One sphere after the other, each where
 /// the first draw has room (random sequential addition).
 template <int dim>
 class RandomPlaces {
@@ -46,15 +46,15 @@ class RandomPlaces {
   static constexpr int most_draws = 10000;
 
  private:
-  struct Ball {
+  struct Sphere {
     Vector<dim> centre;
     double radius;
   };
-  int* refusal(const Ball& ball, Rejected& rejected) const;
+  int* refusal(const Sphere& sphere, Rejected& rejected) const;
 
   RandomRegion<dim> region_;
   double apart_;
-  std::vector<Ball> balls_;
+  std::vector<Sphere> spheres_;
   std::vector<SidedSurface<dim>> surfaces_;
   Rejected rejected_;
 };

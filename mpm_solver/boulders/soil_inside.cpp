@@ -28,7 +28,7 @@ std::vector<std::int32_t> points_inside(const BoulderSettings<dim>& boulder,
     const double reach = boulder.shape.radius + points.depth[p];
     if ((points.x[p] - centre).squaredNorm() >= reach * reach) continue;
     const SurfaceSide side = sided.side(points.x[p]);
-    if (side.known() && depth_inside(start_ball(points, p), side, true)) inside.push_back(p);
+    if (side.known() && depth_inside(start_sphere(points, p), side, true)) inside.push_back(p);
   }
   return inside;
 }

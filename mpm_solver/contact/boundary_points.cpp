@@ -223,8 +223,8 @@ void BoundaryPoints<dim>::mark_closed_points() {
   for (const std::int32_t k : touching_) {
     const Point& b = points_[k];
     if (!b.trial.closed) continue;
-    Vector<dim> way = b.gap_trial - b.gap;
-    way[0] = 0;
+    Vector<dim> path = b.gap_trial - b.gap;
+    path[0] = 0;
     marks_.push_back({.facet = b.facet,
                       .sliding = b.trial.sliding,
                       .area = b.area,
@@ -232,7 +232,7 @@ void BoundaryPoints<dim>::mark_closed_points() {
                       .x = surface_.position(b.facet, b.phi),
                       .normal = b.frame.col(0),
                       .force = -b.area * (b.frame * b.trial.t),
-                      .slip = b.frame * way / dt_});
+                      .slip = b.frame * path / dt_});
   }
 }
 

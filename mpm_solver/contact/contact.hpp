@@ -181,7 +181,7 @@ class Contact {
   /// Search margin: how far beyond twice its displacement by the velocity of fastest_about a
   /// material point of this rank may move before the candidates of begin_step may be incomplete
   /// [m]; infinite: the method does not look ahead.
-  virtual double allowed_way(std::size_t member = 0) const {
+  virtual double allowed_motion(std::size_t member = 0) const {
     static_cast<void>(member);
     return std::numeric_limits<double>::infinity();
   }

@@ -28,8 +28,8 @@ struct RememberedContact {
   bool took_weight = false;                   ///< it began in a step in which soil took its weight
 
   /// Initial penetration [m].
-  double begun() const { return -normal.dot(slip); }
-  Vector<dim> tangential() const { return slip + begun() * normal; }
+  double initial_penetration() const { return -normal.dot(slip); }
+  Vector<dim> tangential() const { return slip + initial_penetration() * normal; }
 };
 
 /// Those of one material point.

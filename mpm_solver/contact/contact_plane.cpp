@@ -134,7 +134,7 @@ struct SoftMargin {
   SoftMargin(const TwoClouds<dim>& clouds, const Vector<dim>& n, double k)
       : first(clouds.first, n, 1, k), second(clouds.second, n, -1, k) {}
   double value() const { return second.value - first.value; }
-  Vector<dim> way() const { return second.mean - first.mean; }
+  Vector<dim> path() const { return second.mean - first.mean; }
 };
 
 // Newton's method for the normal with the largest soft margin, on the unit sphere.
@@ -143,9 +143,9 @@ Vector<dim> widest_margin(const TwoClouds<dim>& clouds, Vector<dim> n, double k)
   SoftMargin<dim> now(clouds, n, k);
   for (int step = 0; step < most_steps; ++step) {
     const Eigen::Matrix<double, dim, dim - 1> T = frame_of<dim>(n).template rightCols<dim - 1>();
-    const auto gradient = (T.transpose() * now.way()).eval();
+    const auto gradient = (T.transpose() * now.path()).eval();
     auto curvature = (k * T.transpose() * (now.first.spread + now.second.spread) * T).eval();
-    curvature.diagonal().array() += std::max(1e-3, n.dot(now.way()));
+    curvature.diagonal().array() += std::max(1e-3, n.dot(now.path()));
     Vector<dim> move = T * curvature.ldlt().solve(gradient);
     if (move.norm() < small_turn) break;
     if (move.norm() > 0.3) move *= 0.3 / move.norm();

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "mpm_solver/contact/contact_frame.hpp"
-#include "mpm_solver/contact/way_out.hpp"
+#include "mpm_solver/contact/shortest_exit.hpp"
 
 namespace gabion::mpm {
 
@@ -111,9 +111,10 @@ typename FacetContact<dim>::ContactPoint FacetContact<dim>::contact_at(
     const std::ptrdiff_t node = nodes[k];
     contact.motion += w[k] * Eigen::Map<const Vector<dim>>(du.data() + node * dim);
   }
-  if (const Remembered* memory = going_on(c.memory, n)) contact.begun = memory->begun();
-  contact.gap =
-      feature.distance - contact.radius + n.dot(contact.motion - c.motion) - contact.begun;
+  if (const Remembered* memory = going_on(c.memory, n))
+    contact.initial_penetration = memory->initial_penetration();
+  contact.gap = feature.distance - contact.radius + n.dot(contact.motion - c.motion) -
+                contact.initial_penetration;
   contact.relative = contact.motion - surface_.motion_at(feature);
   set_slip(c, contact);
   contact.frame = frame_of<dim>(n);
@@ -129,7 +130,7 @@ double FacetContact<dim>::offset_after(const ContactPoint& contact) const {
   const double offset = n.dot(c.offset + contact.motion - c.motion);
   if (c.deforms) return offset + (c.shape * (n + c.H.transpose() * n)).norm() - contact.radius;
   if (contact.gap < 0) return std::max(offset, -contact.radius);
-  return std::max(offset - contact.gap - contact.begun, 0.0);
+  return std::max(offset - contact.gap - contact.initial_penetration, 0.0);
 }
 
 // Members that meet in a corner with the point in it, or that face each other with the point
@@ -189,7 +190,7 @@ void FacetContact<dim>::share_depths(const Candidate& c, std::size_t first) {
     normals.push_back(contacts_[k].feature.normal);
     deltas.push_back(-contacts_[k].gap);
   }
-  const WayOut<dim> out = way_out<dim>(normals, deltas);
+  const ShortestExit<dim> out = shortest_exit<dim>(normals, deltas);
   for (int k = 0; k < out.size; ++k) {
     ContactPoint contact = contacts_[first + out.planes[k]];  // planes ascend
     const ContactLaw law = law_of(c, contact.owner, 1);

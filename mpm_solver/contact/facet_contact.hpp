@@ -3,8 +3,8 @@
 
 #include <array>
 
+#include "mpm_solver/contact/penetration_at_rest.hpp"
 #include "mpm_solver/contact/point_search.hpp"
-#include "mpm_solver/contact/way_at_rest.hpp"
 
 namespace gabion::mpm {
 
@@ -20,10 +20,10 @@ namespace gabion::mpm {
 /// SurfaceValues say: linear fields are met exactly, and force and place are those of both sides.
 /// The sphere of an elastic body is strained with it; the offset o carries what else the surface
 /// goes against the centre from step to step. Penetration and friction follow ContactLaw; in inside
-/// corners depths are those of WayOut. A contact point of soil that was at rest under stress when
-/// the run began has the depth of that stress from the beginning: its gap is less by it. A point
-/// that was open slips from the moment when it touches, its path in the step being straight. The
-/// force F of a step is constant in it (NewmarkBossak::step_force_weight): contact then takes
+/// corners depths are those of ShortestExit. A contact point of soil that was at rest under stress
+/// when the run began has the depth of that stress from the beginning: its gap is less by it. A
+/// point that was open slips from the moment when it touches, its path in the step being straight.
+/// The force F of a step is constant in it (NewmarkBossak::step_force_weight): contact then takes
 /// energy or keeps it, at any stiffness and dt.
 ///
 /// The members are one surface for the search: where their rims meet, nothing but the friction and
@@ -71,7 +71,9 @@ class FacetContact final : public Contact<dim> {
   double approach_step(double dt, double margin) const override {
     return search_.approach_step(dt, margin);
   }
-  double allowed_way(std::size_t member = 0) const override { return search_.allowed_way(member); }
+  double allowed_motion(std::size_t member = 0) const override {
+    return search_.allowed_motion(member);
+  }
 
   void begin_at_rest(const SoilAtRest<dim>& rest) override;
   std::span<const Vector<dim>> accepted_vertices(std::size_t member) const override {
@@ -108,7 +110,7 @@ class FacetContact final : public Contact<dim> {
     std::int32_t owner = 0;  // the member that has the feature
     SurfaceFeature<dim> feature;
     double radius = 0, area = 0;
-    double begun = 0;                        // initial penetration [m]
+    double initial_penetration = 0;          // initial penetration [m]
     double gap = 0;                          // less that depth
     std::int32_t first_weight = 0;           // of w, one for each value of the candidate
     std::array<std::int32_t, dim> others{};  // those of its material point, itself too

@@ -113,7 +113,7 @@ ContactCounts FacetContact<dim>::counts(std::size_t member) const {
     const ContactPoint& contact = contacts_[k];
     ++result.closed;
     result.sliding += contact.traction.sliding;
-    result.penetration = std::max(result.penetration, -contact.gap - contact.begun);
+    result.penetration = std::max(result.penetration, -contact.gap - contact.initial_penetration);
   }
   if (has_substeps_) result.closed = std::max(result.closed, members_[member].substeps.closed);
   return result;

@@ -85,14 +85,14 @@ void FacetContact<dim>::remember_depths(std::span<const RestingPlace<dim>> place
     std::ranges::copy_if(places, std::back_inserter(together), [&](const auto& other) {
       return place.owner == other.owner || n.dot(other.normal) >= corner_cosine;
     });
-    Vector<dim> way = way_at_rest<dim>(together);
-    const double quadratic = way.norm();
+    Vector<dim> path = penetration_at_rest<dim>(together);
+    const double quadratic = path.norm();
     const ContactLaw law = law_of(c, place.owner, 1);
-    if (quadratic > law.linear_from) way *= law.depth_of(quadratic * quadratic) / quadratic;
+    if (quadratic > law.linear_from) path *= law.depth_of(quadratic * quadratic) / quadratic;
     memory.emplace_back();
     memory.back().owner = place.owner;
     memory.back().normal = n;
-    memory.back().slip = -(n.dot(way) + gap) * n;
+    memory.back().slip = -(n.dot(path) + gap) * n;
   }
   c.memory = &memory;
 }

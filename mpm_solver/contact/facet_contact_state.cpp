@@ -18,7 +18,7 @@ ContactMark<dim> FacetContact<dim>::mark_of(const ContactPoint& contact) const {
   return {.facet = (contact.feature.simplex - member.first_simplex) / cuts,
           .sliding = contact.traction.sliding,
           .area = contact.area,
-          .gap = contact.gap + contact.begun,
+          .gap = contact.gap + contact.initial_penetration,
           .x = contact.feature.x,
           .normal = n,
           .force = -contact.force,
@@ -77,7 +77,7 @@ typename FacetContact<dim>::Remembered FacetContact<dim>::memory_of(
   Remembered memory{.owner = contact.owner,
                     .normal = n,
                     .force = contact.force,
-                    .slip = -contact.begun * n,
+                    .slip = -contact.initial_penetration * n,
                     .part = contact.part,
                     .lasting = lasting_force(contact),
                     .took_weight = candidate(contact).took_weight};

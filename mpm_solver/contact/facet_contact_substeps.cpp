@@ -23,7 +23,8 @@ void FacetContact<dim>::add_lasting_forces(std::span<double> f) const {
 template <int dim>
 Vector<dim> FacetContact<dim>::lasting_force(const ContactPoint& contact) const {
   Vector<dim> before = Vector<dim>::Zero();
-  if (contact.begun <= rounding * contact.radius) return before;  // the slip's part along n
+  if (contact.initial_penetration <= rounding * contact.radius)
+    return before;  // the slip's part along n
   if (!has_substeps_) return contact.force;
   const Remembered* memory =
       going_on(candidate(contact).memory, contact.feature.normal, contact.owner);

@@ -164,10 +164,10 @@ typename FacetLattice<dim>::Cube FacetLattice<dim>::make(const LatticeSurface<di
     mean += bounds.normal;
     if (bounds.is_beyond(middle, nearest)) continue;
     const auto corners = corners_of<dim>(surface.simplices[s - surface.first], surface.vertices);
-    const Vector<dim> way = middle - closest_place<dim>(corners, middle).x;
-    if (way.norm() >= nearest) continue;
-    nearest = way.norm();
-    away = way;
+    const Vector<dim> path = middle - closest_place<dim>(corners, middle).x;
+    if (path.norm() >= nearest) continue;
+    nearest = path.norm();
+    away = path;
   }
   Cube cube{.first = lists_.size(), .height = found_.empty() ? -infinity : infinity};
   double farthest = -infinity;

@@ -36,7 +36,7 @@ class FacetLattice {
 
   const Sizes& sizes() const { return sizes_; }
   /// A vertex moved by as much as this [m].
-  void add_motion(double way) { moved_ += way; }
+  void add_motion(double path) { moved_ += path; }
   /// Whether the surface moved too far since the lattice was made.
   bool is_stale() const { return !(moved_ <= sizes_.slack); }
 

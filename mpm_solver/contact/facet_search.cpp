@@ -43,10 +43,10 @@ void FacetSearch<dim>::find_bounds(Member& member) {
 
 template <int dim>
 void FacetSearch<dim>::begin_step(std::span<const Simplex<dim>> simplices,
-                                  std::span<const Vector<dim>> vertices, double ball) {
+                                  std::span<const Vector<dim>> vertices, double diameter) {
   simplices_ = simplices;
   vertices_ = vertices;
-  const double reach = reach_share * ball;
+  const double reach = reach_share * diameter;
   if (!(fewest_share * reach <= reach_ && reach_ <= most_share * reach)) {
     reach_ = reach;
     for (Member& member : members_) member.has_lattice = false;
@@ -69,11 +69,11 @@ void FacetSearch<dim>::begin_step(std::span<const Simplex<dim>> simplices,
 }
 
 template <int dim>
-void FacetSearch<dim>::add_motion(std::size_t member, double way) {
-  if (way == 0) return;
+void FacetSearch<dim>::add_motion(std::size_t member, double path) {
+  if (path == 0) return;
   members_[member].bounds_known = false;
-  members_[member].lattice.add_motion(way);
-  members_[member].far.add_motion(way);
+  members_[member].lattice.add_motion(path);
+  members_[member].far.add_motion(path);
 }
 
 template <int dim>

@@ -18,11 +18,11 @@ class FacetSearch {
   void add_member(std::size_t num_simplices);
 
   /// @param simplices, vertices  of the contact; they outlive the step, vertices do not move in it
-  /// @param ball  diameter of the largest contact sphere [m]
+  /// @param diameter  diameter of the largest contact sphere [m]
   void begin_step(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
-                  double ball);
+                  double diameter);
   /// The accepted place of a member is another one, a vertex moved by as much as this [m].
-  void add_motion(std::size_t member, double way);
+  void add_motion(std::size_t member, double path);
   /// Vertices are where another state has them.
   void forget();
   /// A member that does not act has no simplices near any place.

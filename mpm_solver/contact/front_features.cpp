@@ -25,12 +25,12 @@ std::int32_t owner_of(const FacingSurface<dim>& surface, std::int32_t simplex) {
 template <int dim>
 class Front {
  public:
-  Front(const FrontView<dim>& view, const Way<dim>& way) : view_(view), way_(way) {}
+  Front(const FrontView<dim>& view, const Path<dim>& path) : view_(view), path_(path) {}
 
   // Whether a simplex of the list surely is farther from the end of the way.
   bool is_beyond(const FacingSimplex& facing, double distance) const {
     return facing.distance - view_.nearer > (1 + rounding) * distance ||
-           is_beyond(facing.simplex, way_.to, distance);
+           is_beyond(facing.simplex, path_.to, distance);
   }
 
   const FacingSurface<dim>& surface() const { return view_.surface; }
@@ -45,10 +45,10 @@ class Front {
     const SimplexBounds<dim>& bounds = view_.bounds[s];
     const Vector<dim>& corner = surface().start[surface().simplices[s][0]];
     facing.simplex = s;
-    facing.height = (way_.from - corner).dot(bounds.normal);
+    facing.height = (path_.from - corner).dot(bounds.normal);
     facing.touched = touched(s);
     if (facing.height <= 0 && !facing.touched) return false;
-    return !bounds.is_beyond(way_.from, view_.margin);
+    return !bounds.is_beyond(path_.from, view_.margin);
   }
 
   Vector<dim> normal(std::int32_t s) const {
@@ -57,7 +57,7 @@ class Front {
   }
 
   std::int32_t neighbour(std::int32_t s, int k) const { return view_.neighbours[s][k]; }
-  const Way<dim>& way() const { return way_; }
+  const Path<dim>& path() const { return path_; }
 
  private:
   bool rests(std::int32_t s) const {
@@ -73,7 +73,7 @@ class Front {
   }
 
   const FrontView<dim>& view_;
-  const Way<dim>& way_;
+  const Path<dim>& path_;
 };
 
 enum class Answer { no, yes, unknown };
@@ -93,7 +93,7 @@ Answer bends_inwards(const Front<dim>& front, const Sight<dim>& sight, int k, do
   if (next != no_neighbour && bends(next)) return Answer::yes;
   const SimplexSide<dim> side = side_of<dim>(surface, sight, k);
   if (!side.on_rim) return Answer::no;
-  if ((front.way().to - side.x).norm() + surface.seam > farthest) return Answer::unknown;
+  if ((front.path().to - side.x).norm() + surface.seam > farthest) return Answer::unknown;
   const bool found = std::ranges::any_of(surface.facing, [&](const FacingSimplex& other) {
     const std::int32_t s = other.simplex;
     return !front.is_beyond(s, side.x, surface.seam) && meets_at<dim>(surface, sight, side, s) &&
@@ -152,8 +152,8 @@ bool is_in_front(const std::vector<Sight<dim>>& sights, bool has_touched, double
 // Radius within which the point may come behind a simplex: its displacement, or twice that where
 // simplices turn, by less than 60 degrees in the step.
 template <int dim>
-double front_reach(const FacingSurface<dim>& surface, const FeatureReach& reach, double way) {
-  const double behind = surface.motion > 0 ? 2 * (way + surface.motion) : way;
+double front_reach(const FacingSurface<dim>& surface, const FeatureReach& reach, double path) {
+  const double behind = surface.motion > 0 ? 2 * (path + surface.motion) : path;
   const double fading = fading_share * reach.radius;
   return (1 + rounding) * std::max(reach.distance + fading + surface.seam, behind);
 }
@@ -162,8 +162,8 @@ template <int dim>
 void faced_near(const FrontView<dim>& view, const Vector<dim>& x, const NearPlace<dim>& near,
                 std::vector<FacingSimplex>& list) {
   list.clear();
-  const Way<dim> way{x, x};
-  const Front<dim> front(view, way);
+  const Path<dim> path{x, x};
+  const Front<dim> front(view, path);
   FacingSimplex facing;
   for (const std::int32_t s : near.simplices) {
     const SimplexBounds<dim>& bounds = view.bounds[s];
@@ -181,13 +181,13 @@ bool features_in_front(const FrontView<dim>& view, const Vector<dim>& x, const V
   const double fading = fading_share * reach.radius;
   const double farthest =
       std::max(view.around, front_reach<dim>(surface, {reach.distance, 0}, (y - x).norm()));
-  const Way<dim> way{x, y};
-  const Front<dim> front(view, way);
+  const Path<dim> path{x, y};
+  const Front<dim> front(view, path);
   thread_local std::vector<Sight<dim>> sights;
   sights.clear();
   for (const FacingSimplex& facing : surface.facing) {
     if (front.is_beyond(facing, farthest)) continue;
-    sights.push_back(sight_of<dim>(surface, facing, way, front.normal(facing.simplex)));
+    sights.push_back(sight_of<dim>(surface, facing, path, front.normal(facing.simplex)));
   }
   if (!is_in_front<dim>(sights, !view.touched.empty(), farthest)) return false;
   for (const Sight<dim>& sight : sights) {

@@ -14,7 +14,7 @@ constexpr double same_normal = 0.5;
 
 /// A place that a point touched when the step began.
 template <int dim>
-struct KnownTouch {
+struct KnownContact {
   std::int32_t owner = 0;  ///< surface
   Vector<dim> normal = Vector<dim>::Zero();
 };
@@ -27,7 +27,7 @@ struct FrontView {
   std::span<const SimplexBounds<dim>> bounds;  ///< at the start of the step
   std::span<const Neighbours<dim>> neighbours;
   std::span<const char> at_rest;  ///< of each owner: 1 if it is in this step
-  std::span<const KnownTouch<dim>> touched;
+  std::span<const KnownContact<dim>> touched;
   double nearer = 0;  ///< at the end of its way the point is nearer to what it faces by this [m]
   double around = 0;  ///< look at simplices as far as this, if that is farther than needed [m]
   double margin = 0;  ///< simplices that are farther at the start do not count [m]
@@ -50,7 +50,7 @@ void faced_near(const FrontView<dim>& view, const Vector<dim>& x, const NearPlac
 /// Radius around the end of its displacement path within which `facing` has to have all simplices
 /// [m], unless `around` is more.
 template <int dim>
-double front_reach(const FacingSurface<dim>& surface, const FeatureReach& reach, double way);
+double front_reach(const FacingSurface<dim>& surface, const FeatureReach& reach, double path);
 
 /// The features of find_features, the same to the bit, from fewer simplices.
 /// @param features  cleared first

@@ -12,17 +12,17 @@ namespace gabion::mpm {
 /// a side do not both have a line that meets the side.
 inline bool goes_through(const Vector<2>& x, const Vector<2>& y,
                          const std::array<Vector<2>, 2>& corners) {
-  const auto cross = [way = Vector<2>(y - x)](const Vector<2>& b) {
-    return way[0] * b[1] - way[1] * b[0];
+  const auto cross = [path = Vector<2>(y - x)](const Vector<2>& b) {
+    return path[0] * b[1] - path[1] * b[0];
   };
   return (cross(corners[0] - x) >= 0) != (cross(corners[1] - x) >= 0);
 }
 
 inline bool goes_through(const Vector<3>& x, const Vector<3>& y,
                          const std::array<Vector<3>, 3>& corners) {
-  const Vector<3> way = y - x;
+  const Vector<3> path = y - x;
   const auto side = [&](int a, int b) {
-    return way.dot((corners[a] - x).cross(corners[b] - x)) >= 0;
+    return path.dot((corners[a] - x).cross(corners[b] - x)) >= 0;
   };
   return side(0, 1) == side(1, 2) && side(1, 2) == side(2, 0);
 }

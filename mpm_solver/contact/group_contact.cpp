@@ -59,9 +59,9 @@ double bounded_gap(const GroupNode<dim>& node, double before) {
 }  // namespace
 
 template <int dim>
-ContactLaw GroupContact<dim>::law_of(const Touch& touch) const {
-  const GroupPair& pair = groups_.pairs[touch.node.pair];
-  const double M = touch.node.modulus, h = cell_size_;
+ContactLaw GroupContact<dim>::law_of(const ContactNode& contact) const {
+  const GroupPair& pair = groups_.pairs[contact.node.pair];
+  const double M = contact.node.modulus, h = cell_size_;
   return {.mode = pair.mode,
           .friction = pair.friction,
           .penalty = pair.penalty_factor * M / (h * h),
@@ -71,29 +71,29 @@ ContactLaw GroupContact<dim>::law_of(const Touch& touch) const {
 
 template <int dim>
 bool GroupContact<dim>::symmetric() const {
-  return std::ranges::all_of(touches_, [&](const Touch& t) { return !law_of(t).has_friction(); });
+  return std::ranges::all_of(contacts_, [&](const ContactNode& t) { return !law_of(t).has_friction(); });
 }
 
 // Go on with what the node was when the step before ended.
 template <int dim>
-void GroupContact<dim>::follow(Touch& touch) const {
-  GroupNode<dim>& node = touch.node;
+void GroupContact<dim>::follow(ContactNode& contact) const {
+  GroupNode<dim>& node = contact.node;
   const RememberedNode<dim>* const before = memory_.find(node.place, node.pair);
   if (before == nullptr) return;
   const double share = std::min(1.0, renewal * before->moved / cell_size_);
   const double found = node.separates ? bounded_gap(node, before->gap) : before->gap;
   node.gap = before->gap + share * (found - before->gap);
   node.area = before->area + share * (node.area - before->area);
-  touch.old_force = before->force;
+  contact.old_force = before->force;
   if (node.gap >= 0) return;
-  touch.goes_on = true;
-  touch.old_slip = turned_slip<dim>(before->slip, node.n);
+  contact.goes_on = true;
+  contact.old_slip = turned_slip<dim>(before->slip, node.n);
 }
 
 // A new node in a contact that was closed goes on with it.
 template <int dim>
-void GroupContact<dim>::go_on_from_neighbours(const BackgroundGrid<dim>& grid, Touch& touch) const {
-  GroupNode<dim>& node = touch.node;
+void GroupContact<dim>::go_on_from_neighbours(const BackgroundGrid<dim>& grid, ContactNode& contact) const {
+  GroupNode<dim>& node = contact.node;
   Vector<dim> slip = Vector<dim>::Zero();
   double area = 0, gap = 0;
   for (const std::int32_t place : places_around(grid, node.place, 1)) {
@@ -111,14 +111,14 @@ void GroupContact<dim>::go_on_from_neighbours(const BackgroundGrid<dim>& grid, T
     node.gap = around;
   }
   if (area == 0 || node.gap >= 0) return;
-  touch.goes_on = true;
-  touch.old_slip = turned_slip<dim>(slip / area, node.n);
+  contact.goes_on = true;
+  contact.old_slip = turned_slip<dim>(slip / area, node.n);
 }
 
 template <int dim>
-void GroupContact<dim>::warn_of_overlap(const SoilSurface<dim>& soil, const Touch& touch) {
-  const GroupNode<dim>& node = touch.node;
-  if (said_overlap_ || touch.goes_on || node.overlap <= notable_overlap * cell_size_) return;
+void GroupContact<dim>::warn_of_overlap(const SoilSurface<dim>& soil, const ContactNode& contact) {
+  const GroupNode<dim>& node = contact.node;
+  if (said_overlap_ || contact.goes_on || node.overlap <= notable_overlap * cell_size_) return;
   said_overlap_ = true;
   const GroupPair& pair = groups_.pairs[node.pair];
   const Vector<dim> x = soil.grid.node(node.place);
@@ -153,8 +153,8 @@ void GroupContact<dim>::find_left_forces(const SoilSurface<dim>& soil) {
   std::size_t k = 0;
   const auto key = [](const auto& node) { return std::pair(node.place, node.pair); };
   for (const RememberedNode<dim>& before : memory_.nodes()) {
-    while (k < touches_.size() && key(touches_[k].node) < key(before)) ++k;
-    if (k < touches_.size() && key(touches_[k].node) == key(before)) continue;
+    while (k < contacts_.size() && key(contacts_[k].node) < key(before)) ++k;
+    if (k < contacts_.size() && key(contacts_[k].node) == key(before)) continue;
     const GroupPair& pair = groups_.pairs[before.pair];
     const std::uint32_t both = (std::uint32_t{1} << pair.first) | (std::uint32_t{1} << pair.second);
     if ((at_nodes.at(before.place) & both) != both) continue;
@@ -170,15 +170,15 @@ void GroupContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   force_weight_ = soil.step_force_weight;
   cell_size_ = soil.cell_size;
   has_substeps_ = false;
-  touches_.clear();
+  contacts_.clear();
   for (const GroupNode<dim>& node : find_contact_nodes(soil, groups_)) {
     warn_of_corner(soil, node);
-    Touch touch{.node = node};
-    follow(touch);
-    if (memory_.find(node.place, node.pair) == nullptr) go_on_from_neighbours(soil.grid, touch);
-    touch.frame = frame_of<dim>(node.n);
-    warn_of_overlap(soil, touch);
-    touches_.push_back(touch);
+    ContactNode contact{.node = node};
+    follow(contact);
+    if (memory_.find(node.place, node.pair) == nullptr) go_on_from_neighbours(soil.grid, contact);
+    contact.frame = frame_of<dim>(node.n);
+    warn_of_overlap(soil, contact);
+    contacts_.push_back(contact);
   }
   find_left_forces(soil);
 }
@@ -186,49 +186,49 @@ void GroupContact<dim>::begin_step(const SoilSurface<dim>& soil) {
 template <int dim>
 void GroupContact<dim>::append_cells(std::vector<std::int32_t>& offsets,
                                      std::vector<std::int32_t>& nodes) const {
-  for (const Touch& touch : touches_) {
-    nodes.insert(nodes.end(), {touch.node.first, touch.node.second});
+  for (const ContactNode& contact : contacts_) {
+    nodes.insert(nodes.end(), {contact.node.first, contact.node.second});
     offsets.push_back(static_cast<std::int32_t>(nodes.size()));
   }
 }
 
 template <int dim>
-void GroupContact<dim>::move(std::span<const double> du, Touch& touch) const {
-  const auto first = at<dim>(du, touch.node.first), second = at<dim>(du, touch.node.second);
-  touch.way = second - first;
-  touch.middle_way = 0.5 * (first + second);
-  touch.gap = touch.node.gap + touch.node.n.dot(touch.way);
-  touch.traction = {};
-  touch.force.setZero();
-  if (touch.gap < 0) set_slip(touch);
+void GroupContact<dim>::move(std::span<const double> du, ContactNode& contact) const {
+  const auto first = at<dim>(du, contact.node.first), second = at<dim>(du, contact.node.second);
+  contact.path = second - first;
+  contact.middle_way = 0.5 * (first + second);
+  contact.gap = contact.node.gap + contact.node.n.dot(contact.path);
+  contact.traction = {};
+  contact.force.setZero();
+  if (contact.gap < 0) set_slip(contact);
 }
 
 // A contact that goes on has slipped since it began; a new one since its way met the surface.
 template <int dim>
-void GroupContact<dim>::set_slip(Touch& touch) const {
-  const Vector<dim>& n = touch.node.n;
-  touch.slip_share = 1;
-  touch.slip_share_slope = 0;
-  if (!touch.goes_on && touch.node.gap > 0) {
-    const double closing = touch.node.gap - touch.gap;
-    touch.slip_share = -touch.gap / closing;
-    touch.slip_share_slope = -touch.node.gap / (closing * closing);
+void GroupContact<dim>::set_slip(ContactNode& contact) const {
+  const Vector<dim>& n = contact.node.n;
+  contact.slip_share = 1;
+  contact.slip_share_slope = 0;
+  if (!contact.goes_on && contact.node.gap > 0) {
+    const double closing = contact.node.gap - contact.gap;
+    contact.slip_share = -contact.gap / closing;
+    contact.slip_share_slope = -contact.node.gap / (closing * closing);
   }
-  touch.slip = touch.slip_share * tangential<dim>(touch.way, n);
-  if (touch.goes_on) touch.slip += touch.old_slip;
+  contact.slip = contact.slip_share * tangential<dim>(contact.path, n);
+  if (contact.goes_on) contact.slip += contact.old_slip;
 }
 
 template <int dim>
-void GroupContact<dim>::add_stiffness(const Touch& touch, const Matrix<dim>& slope,
+void GroupContact<dim>::add_stiffness(const ContactNode& contact, const Matrix<dim>& slope,
                                       BlockMatrix<dim>& K) const {
-  const Vector<dim>& n = touch.node.n;
-  const double scale = force_weight_ * touch.node.area;
-  const Vector<dim> by_gap = scale * (touch.frame * slope.col(0));
-  const Matrix<dim> by_slip = scale * (touch.frame * slope * touch.frame.transpose()) *
+  const Vector<dim>& n = contact.node.n;
+  const double scale = force_weight_ * contact.node.area;
+  const Vector<dim> by_gap = scale * (contact.frame * slope.col(0));
+  const Matrix<dim> by_slip = scale * (contact.frame * slope * contact.frame.transpose()) *
                               (Matrix<dim>::Identity() - n * n.transpose());
-  const Vector<dim> by_begin = touch.slip_share_slope * (by_slip * touch.way);
-  const Matrix<dim> k = touch.slip_share * by_slip + (by_gap + by_begin) * n.transpose();
-  const std::int32_t a = touch.node.first, b = touch.node.second;
+  const Vector<dim> by_begin = contact.slip_share_slope * (by_slip * contact.path);
+  const Matrix<dim> k = contact.slip_share * by_slip + (by_gap + by_begin) * n.transpose();
+  const std::int32_t a = contact.node.first, b = contact.node.second;
   K.add_block(a, a, k);
   K.add_block(b, b, k);
   K.add_block(a, b, -k);
@@ -239,16 +239,16 @@ template <int dim>
 void GroupContact<dim>::add_forces(std::span<const double> du, std::span<double> r,
                                    BlockMatrix<dim>* K) {
   Matrix<dim> slope;
-  for (Touch& touch : touches_) {
-    move(du, touch);
-    if (touch.gap >= 0) continue;
-    Vector<dim> gap = touch.frame.transpose() * touch.slip;
-    gap[0] = touch.gap;
-    touch.traction = law_of(touch).template traction<dim>(gap, K ? &slope : nullptr);
-    touch.force = touch.node.area * (touch.frame * touch.traction.t);
-    at<dim>(r, touch.node.second) += force_weight_ * touch.force;
-    at<dim>(r, touch.node.first) -= force_weight_ * touch.force;
-    if (K) add_stiffness(touch, slope, *K);
+  for (ContactNode& contact : contacts_) {
+    move(du, contact);
+    if (contact.gap >= 0) continue;
+    Vector<dim> gap = contact.frame.transpose() * contact.slip;
+    gap[0] = contact.gap;
+    contact.traction = law_of(contact).template traction<dim>(gap, K ? &slope : nullptr);
+    contact.force = contact.node.area * (contact.frame * contact.traction.t);
+    at<dim>(r, contact.node.second) += force_weight_ * contact.force;
+    at<dim>(r, contact.node.first) -= force_weight_ * contact.force;
+    if (K) add_stiffness(contact, slope, *K);
   }
   if (force_weight_ != 1) add_old_forces(1 - force_weight_, r);
 }
@@ -259,15 +259,15 @@ void GroupContact<dim>::add_old_forces(double share, std::span<double> field) co
     at<dim>(field, second) += share * force;
     at<dim>(field, first) -= share * force;
   };
-  for (const Touch& touch : touches_) add(touch.node.first, touch.node.second, touch.old_force);
+  for (const ContactNode& contact : contacts_) add(contact.node.first, contact.node.second, contact.old_force);
   for (const LeftForce& left : left_) add(left.first, left.second, left.force);
 }
 
 template <int dim>
 void GroupContact<dim>::add_step_force_change(std::span<double> f) const {
-  for (const Touch& touch : touches_) {
-    at<dim>(f, touch.node.second) += touch.force;
-    at<dim>(f, touch.node.first) -= touch.force;
+  for (const ContactNode& contact : contacts_) {
+    at<dim>(f, contact.node.second) += contact.force;
+    at<dim>(f, contact.node.first) -= contact.force;
   }
   add_old_forces(-1, f);
 }

@@ -31,7 +31,7 @@ class GroupContact final : public Contact<dim> {
         resultants_(accepted_) {}
 
   void begin_step(const SoilSurface<dim>& soil) override;
-  bool can_touch(std::size_t = 0) const override { return !touches_.empty(); }
+  bool can_touch(std::size_t = 0) const override { return !contacts_.empty(); }
   bool symmetric() const override;
   void append_cells(std::vector<std::int32_t>& offsets,
                     std::vector<std::int32_t>& nodes) const override;
@@ -66,13 +66,13 @@ class GroupContact final : public Contact<dim> {
 
  private:
   /// A contact node in the step under way.
-  struct Touch {
+  struct ContactNode {
     GroupNode<dim> node;
     Matrix<dim> frame = Matrix<dim>::Identity();   // normal first
     bool goes_on = false;                          // it was closed when the step began
     Vector<dim> old_slip = Vector<dim>::Zero();    // elastic, then
     Vector<dim> old_force = Vector<dim>::Zero();   // of the step before
-    Vector<dim> way = Vector<dim>::Zero();         // of the second group against the first
+    Vector<dim> path = Vector<dim>::Zero();        // of the second group against the first
     Vector<dim> middle_way = Vector<dim>::Zero();  // mean of both
     double gap = 0;
     Vector<dim> slip = Vector<dim>::Zero();       // before the friction limit
@@ -86,15 +86,15 @@ class GroupContact final : public Contact<dim> {
     Vector<dim> force;
   };
 
-  ContactLaw law_of(const Touch& touch) const;
-  void follow(Touch& touch) const;
-  void go_on_from_neighbours(const BackgroundGrid<dim>& grid, Touch& touch) const;
+  ContactLaw law_of(const ContactNode& contact) const;
+  void follow(ContactNode& contact) const;
+  void go_on_from_neighbours(const BackgroundGrid<dim>& grid, ContactNode& contact) const;
   void find_left_forces(const SoilSurface<dim>& soil);
-  void warn_of_overlap(const SoilSurface<dim>& soil, const Touch& touch);
+  void warn_of_overlap(const SoilSurface<dim>& soil, const ContactNode& contact);
   void warn_of_corner(const SoilSurface<dim>& soil, const GroupNode<dim>& node);
-  void move(std::span<const double> du, Touch& touch) const;
-  void set_slip(Touch& touch) const;
-  void add_stiffness(const Touch& touch, const Matrix<dim>& slope, BlockMatrix<dim>& K) const;
+  void move(std::span<const double> du, ContactNode& contact) const;
+  void set_slip(ContactNode& contact) const;
+  void add_stiffness(const ContactNode& contact, const Matrix<dim>& slope, BlockMatrix<dim>& K) const;
   void add_old_forces(double share, std::span<double> field) const;
 
   const BodyGroups& groups_;
@@ -106,7 +106,7 @@ class GroupContact final : public Contact<dim> {
   bool said_overlap_ = false, said_corner_ = false;
 
   // the step under way
-  std::vector<Touch> touches_;
+  std::vector<ContactNode> contacts_;
   std::vector<LeftForce> left_;
   double force_weight_ = 1, cell_size_ = 0;
   bool has_substeps_ = false;

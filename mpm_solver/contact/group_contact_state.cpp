@@ -33,43 +33,43 @@ void GroupContact<dim>::add_substep(std::span<const double> move, double share) 
   const auto at = [&](std::int32_t i) {
     return Eigen::Map<const Vector<dim>>(move.data() + std::ptrdiff_t{i} * dim);
   };
-  for (const Touch& touch : touches_) {
-    const Vector<dim> way = at(touch.node.second) - at(touch.node.first);
-    const Vector<dim>& n = touch.node.n;
-    const double normal = n.dot(touch.force) * n.dot(way);
+  for (const ContactNode& contact : contacts_) {
+    const Vector<dim> path = at(contact.node.second) - at(contact.node.first);
+    const Vector<dim>& n = contact.node.n;
+    const double normal = n.dot(contact.force) * n.dot(path);
     normal_work_ -= normal;
-    tangential_work_ -= touch.force.dot(way) - normal;
-    resultants_[touch.node.pair] += share * touch.force;
+    tangential_work_ -= contact.force.dot(path) - normal;
+    resultants_[contact.node.pair] += share * contact.force;
   }
 }
 
 template <int dim>
 void GroupContact<dim>::add_stiffness_sums(std::span<double> sums) const {
-  for (const Touch& touch : touches_) {
-    if (touch.gap >= 0) continue;
-    const ContactLaw law = law_of(touch);
+  for (const ContactNode& contact : contacts_) {
+    if (contact.gap >= 0) continue;
+    const ContactLaw law = law_of(contact);
     const double tangential = law.mode == ContactMode::contact ? law.tangential_penalty : 0;
-    const double k = touch.node.area * std::max(-2 * law.penalty * touch.gap, tangential);
-    sums[touch.node.first] += 2 * k;
-    sums[touch.node.second] += 2 * k;
+    const double k = contact.node.area * std::max(-2 * law.penalty * contact.gap, tangential);
+    sums[contact.node.first] += 2 * k;
+    sums[contact.node.second] += 2 * k;
   }
 }
 
 template <int dim>
 double GroupContact<dim>::work_on_soil(std::span<const double>) const {
   double work = 0;
-  for (const Touch& touch : touches_) work += touch.force.dot(touch.way);
+  for (const ContactNode& contact : contacts_) work += contact.force.dot(contact.path);
   return work;
 }
 
 template <int dim>
 ContactCounts GroupContact<dim>::counts(std::size_t pair) const {
   ContactCounts counts;
-  for (const Touch& touch : touches_) {
-    if (touch.node.pair != static_cast<std::int32_t>(pair) || touch.gap >= 0) continue;
+  for (const ContactNode& contact : contacts_) {
+    if (contact.node.pair != static_cast<std::int32_t>(pair) || contact.gap >= 0) continue;
     ++counts.closed;
-    counts.sliding += touch.traction.sliding ? 1 : 0;
-    counts.penetration = std::max(counts.penetration, -touch.gap);
+    counts.sliding += contact.traction.sliding ? 1 : 0;
+    counts.penetration = std::max(counts.penetration, -contact.gap);
   }
   return counts;
 }
@@ -77,10 +77,10 @@ ContactCounts GroupContact<dim>::counts(std::size_t pair) const {
 template <int dim>
 double GroupContact<dim>::approach_step(double dt, double margin) const {
   double smallest = std::numeric_limits<double>::infinity();
-  for (const Touch& touch : touches_) {
-    const double closing = -touch.node.n.dot(touch.way);
-    if (touch.gap <= 0 || !(closing > 0)) continue;
-    smallest = std::min(smallest, dt * (touch.gap + margin) / closing);
+  for (const ContactNode& contact : contacts_) {
+    const double closing = -contact.node.n.dot(contact.path);
+    if (contact.gap <= 0 || !(closing > 0)) continue;
+    smallest = std::min(smallest, dt * (contact.gap + margin) / closing);
   }
   return smallest;
 }
@@ -89,24 +89,24 @@ template <int dim>
 void GroupContact<dim>::accept() {
   std::vector<RememberedNode<dim>> nodes;
   double work = 0, stored = 0, stored_slip = 0, slid = 0;
-  for (const Touch& touch : touches_) {
-    if (touch.gap >= 0) continue;
-    const ContactLaw law = law_of(touch);
-    const Vector<dim>& n = touch.node.n;
-    RememberedNode<dim> memory{.place = touch.node.place,
-                               .pair = touch.node.pair,
-                               .force = touch.force,
-                               .gap = touch.gap,
-                               .area = touch.node.area,
-                               .moved = touch.middle_way.norm()};
+  for (const ContactNode& contact : contacts_) {
+    if (contact.gap >= 0) continue;
+    const ContactLaw law = law_of(contact);
+    const Vector<dim>& n = contact.node.n;
+    RememberedNode<dim> memory{.place = contact.node.place,
+                               .pair = contact.node.pair,
+                               .force = contact.force,
+                               .gap = contact.gap,
+                               .area = contact.node.area,
+                               .moved = contact.middle_way.norm()};
     if (law.mode == ContactMode::contact) {
-      const Vector<dim> pull = touch.force - n.dot(touch.force) * n;
-      memory.slip = -pull / (touch.node.area * law.tangential_penalty);
-      slid -= pull.dot(touch.slip - memory.slip);
-      stored_slip += 0.5 * touch.node.area * law.tangential_penalty * memory.slip.squaredNorm();
+      const Vector<dim> pull = contact.force - n.dot(contact.force) * n;
+      memory.slip = -pull / (contact.node.area * law.tangential_penalty);
+      slid -= pull.dot(contact.slip - memory.slip);
+      stored_slip += 0.5 * contact.node.area * law.tangential_penalty * memory.slip.squaredNorm();
     }
-    stored += touch.node.area * law.stored(-touch.gap);
-    work -= touch.force.dot(touch.way);
+    stored += contact.node.area * law.stored(-contact.gap);
+    work -= contact.force.dot(contact.path);
     nodes.push_back(memory);
   }
   if (has_substeps_) {
@@ -115,7 +115,7 @@ void GroupContact<dim>::accept() {
   }
   if (!has_substeps_) {
     std::ranges::fill(resultants_, Vector<dim>::Zero());
-    for (const Touch& touch : touches_) resultants_[touch.node.pair] += touch.force;
+    for (const ContactNode& contact : contacts_) resultants_[contact.node.pair] += contact.force;
   }
   accepted_ = resultants_;
   energy_.add_step(work, stored + stored_slip, slid);
@@ -125,7 +125,7 @@ void GroupContact<dim>::accept() {
 
 template <int dim>
 bool GroupContact<dim>::drop(std::size_t, bool dropped) {
-  touches_.clear();
+  contacts_.clear();
   left_.clear();
   if (!dropped) return true;
   memory_.replace({});

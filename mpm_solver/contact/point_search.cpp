@@ -76,7 +76,7 @@ void PointSearch<dim>::end_step() {
 }
 
 template <int dim>
-double PointSearch<dim>::allowed_way(std::size_t member) const {
+double PointSearch<dim>::allowed_motion(std::size_t member) const {
   const auto& own = surface_.member(member);
   return own.dropped ? infinity : limits_[member].watched - own.motion;
 }

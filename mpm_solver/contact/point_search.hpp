@@ -83,8 +83,8 @@ class PointSearch {
   bool can_touch(std::size_t member) const { return limits_[member].may_touch; }
   /// A member acts no more, or again.
   void drop(std::size_t member) { limits_[member].may_touch = false; }
-  /// See Contact::allowed_way.
-  double allowed_way(std::size_t member) const;
+  /// See Contact::allowed_motion.
+  double allowed_motion(std::size_t member) const;
   /// See Contact::approach_step.
   double approach_step(double dt, double margin) const;
 
@@ -216,9 +216,9 @@ class PointSearch {
   std::vector<double> du_;
   std::vector<char> at_rest_;  // of each member, in the step
   std::vector<SurfaceFeature<dim>> features_;
-  std::vector<KnownTouch<dim>> known_;  // room for what a point touched
-  std::vector<std::int32_t> near_;      // room for a list
-  std::vector<FacingSimplex> faced_;    // room for a list
+  std::vector<KnownContact<dim>> known_;  // room for what a point touched
+  std::vector<std::int32_t> near_;        // room for a list
+  std::vector<FacingSimplex> faced_;      // room for a list
 };
 
 }  // namespace gabion::mpm

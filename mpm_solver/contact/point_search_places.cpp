@@ -31,10 +31,10 @@ double sum_of_gradients(const SoilSurface<dim>& soil, const CellGroup& group, st
 
 // Largest initial penetration.
 template <int dim>
-double most_begun(const RememberedContacts<dim>* contacts) {
+double largest_initial_penetration(const RememberedContacts<dim>* contacts) {
   double most = 0;
   if (!contacts) return most;
-  for (const auto& contact : *contacts) most = std::max(most, contact.begun());
+  for (const auto& contact : *contacts) most = std::max(most, contact.initial_penetration());
   return most;
 }
 
@@ -106,13 +106,13 @@ bool PointSearch<dim>::stays_away(const Watched& point, const CellGroup& group,
     if (c.memory || c.deforms) return false;
   }
   const double spread = box.half.norm();
-  const double way = box.middle.norm() + spread + surface_.motion();
-  const double behind = surface_.motion() > 0 ? 2 * way : way;
+  const double path = box.middle.norm() + spread + surface_.motion();
+  const double behind = surface_.motion() > 0 ? 2 * path : path;
   const double strained =
       spread * sum_of_gradients(*soil_, group, point.entry) * point.reach;  // |H| |shape|
   const double least =
       (1 + rounding) * std::max({point.reach + 2 * spread, behind, point.reach + strained});
-  if (point.clearance - way > least) return true;
+  if (point.clearance - path > least) return true;
   const auto& search = surface_.search();
   return search.at_least(point.x + box.middle, box.half) - surface_.motion() > least;
 }
@@ -121,8 +121,8 @@ bool PointSearch<dim>::stays_away(const Watched& point, const CellGroup& group,
 template <int dim>
 bool PointSearch<dim>::stays_away(const WatchedGroup& watched, const NodalBox& box) const {
   const double spread = box.half.norm();
-  const double way = box.middle.norm() + spread + surface_.motion();
-  const double nearest = watched.clearance - way, behind = surface_.motion() > 0 ? 2 * way : way;
+  const double path = box.middle.norm() + spread + surface_.motion();
+  const double nearest = watched.clearance - path, behind = surface_.motion() > 0 ? 2 * path : path;
   if (!(nearest > (1 + rounding) * std::max(watched.reach + 2 * spread, behind))) return false;
   const CellGroup& group = soil_->weights.groups[watched.group];
   double gradients = 0;
@@ -165,7 +165,8 @@ void PointSearch<dim>::find_of(Candidate& c, std::span<const double> du) {
 template <int dim>
 double PointSearch<dim>::reach_of(const Candidate& c) const {
   const double against_centre = std::max(c.H.norm() * c.shape.norm(), c.spread);
-  return c.shape.norm() + against_centre + c.offset.norm() + most_begun<dim>(c.memory);
+  return c.shape.norm() + against_centre + c.offset.norm() +
+         largest_initial_penetration<dim>(c.memory);
 }
 
 // Largest distance of a place that it touches, if the sphere is rigid: the plane of a simplex
@@ -173,8 +174,8 @@ double PointSearch<dim>::reach_of(const Candidate& c) const {
 template <int dim>
 double PointSearch<dim>::touch_reach(const Candidate& c) const {
   const double size = c.shape.norm() + c.offset.norm(), R = c.mean_radius();
-  const double height =
-      R + c.spread + 2 * c.H.norm() * size + c.offset.norm() + most_begun<dim>(c.memory);
+  const double height = R + c.spread + 2 * c.H.norm() * size + c.offset.norm() +
+                        largest_initial_penetration<dim>(c.memory);
   return (1 + rounding) * std::hypot(height, sights::fading_share * R);
 }
 

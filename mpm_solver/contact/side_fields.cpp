@@ -164,10 +164,10 @@ bool SideFields<dim>::is_at_end(const Vector<dim>& x) const {
   for (const std::int32_t s : hash_->near(x)) {
     if (bounds_[s].is_beyond(x, nearest + tiny_)) continue;
     const auto corners = corners_of<dim>(acting_[s], faces_.vertices);
-    const Vector<dim> way = x - closest_place<dim>(corners, x).x;
-    const double distance = way.norm();
+    const Vector<dim> path = x - closest_place<dim>(corners, x).x;
+    const double distance = path.norm();
     if (distance > nearest + tiny_) continue;
-    const bool before = way.dot(bounds_[s].normal) >= before_cosine * distance;
+    const bool before = path.dot(bounds_[s].normal) >= before_cosine * distance;
     at_end = distance < nearest - tiny_ ? !before : at_end && !before;
     nearest = std::min(nearest, distance);
   }
@@ -221,8 +221,8 @@ bool SideFields<dim>::has_two_sides(const MaterialPoints<dim>& points,
     for (const std::int32_t s : faces_near(group)) {
       const Vector<dim>& corner = faces_.vertices[acting_[s][0]];
       for (std::int32_t e = group.first; e < group.last && has_soil[s] == 0; ++e) {
-        const Vector<dim> way = points.x[weights.point[e]] - corner;
-        has_soil[s] = way.dot(bounds_[s].normal) > 0 ? 1 : 0;
+        const Vector<dim> path = points.x[weights.point[e]] - corner;
+        has_soil[s] = path.dot(bounds_[s].normal) > 0 ? 1 : 0;
       }
     }
   }

@@ -47,24 +47,24 @@ SurfaceSide SidedSurface<dim>::side_of(std::int32_t s, const Vector<dim>& x) con
 }
 
 template <int dim>
-StartBall<dim> start_ball(const MaterialPoints<dim>& points, std::int32_t p) {
+StartSphere<dim> start_sphere(const MaterialPoints<dim>& points, std::int32_t p) {
   return {points.x[p], points.depth[p], cube_side<dim>(points.V0[p])};
 }
 
 template <int dim>
-std::optional<double> depth_inside(const StartBall<dim>& ball, const SurfaceSide& side,
+std::optional<double> depth_inside(const StartSphere<dim>& sphere, const SurfaceSide& side,
                                    bool measured) {
-  if (!side.in_front()) return ball.radius + side.distance;
-  const double depth = ball.radius - side.distance;
-  if (!measured || depth <= allowed_overlap * ball.radius) return std::nullopt;
+  if (!side.in_front()) return sphere.radius + side.distance;
+  const double depth = sphere.radius - side.distance;
+  if (!measured || depth <= allowed_overlap * sphere.radius) return std::nullopt;
   return depth;
 }
 
 template class SidedSurface<2>;
 template class SidedSurface<3>;
-template StartBall<2> start_ball<2>(const MaterialPoints<2>&, std::int32_t);
-template StartBall<3> start_ball<3>(const MaterialPoints<3>&, std::int32_t);
-template std::optional<double> depth_inside<2>(const StartBall<2>&, const SurfaceSide&, bool);
-template std::optional<double> depth_inside<3>(const StartBall<3>&, const SurfaceSide&, bool);
+template StartSphere<2> start_sphere<2>(const MaterialPoints<2>&, std::int32_t);
+template StartSphere<3> start_sphere<3>(const MaterialPoints<3>&, std::int32_t);
+template std::optional<double> depth_inside<2>(const StartSphere<2>&, const SurfaceSide&, bool);
+template std::optional<double> depth_inside<3>(const StartSphere<3>&, const SurfaceSide&, bool);
 
 }  // namespace gabion::mpm

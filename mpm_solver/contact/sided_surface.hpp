@@ -53,20 +53,20 @@ class SidedSurface {
 
 /// The contact sphere of a material point at the start.
 template <int dim>
-struct StartBall {
+struct StartSphere {
   Vector<dim> x;
   double radius;  ///< [m]
   double size;    ///< edge of a square or cube of the point's volume [m]
 };
 
 template <int dim>
-StartBall<dim> start_ball(const MaterialPoints<dim>& points, std::int32_t p);
+StartSphere<dim> start_sphere(const MaterialPoints<dim>& points, std::int32_t p);
 
 /// How deep a contact sphere lies in a surface of a structure, none: not deeper than allowed [m].
 /// @param side      of the sphere's centre, known
 /// @param measured  the method of contact measures distances from the front
 template <int dim>
-std::optional<double> depth_inside(const StartBall<dim>& ball, const SurfaceSide& side,
+std::optional<double> depth_inside(const StartSphere<dim>& sphere, const SurfaceSide& side,
                                    bool measured);
 
 }  // namespace gabion::mpm

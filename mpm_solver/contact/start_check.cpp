@@ -74,20 +74,20 @@ int owner_of(const std::vector<SurfaceSide>& sides) {
 }
 
 template <int dim>
-void add_point(const StartBall<dim>& ball, const SurfaceSide& side, bool measured,
+void add_point(const StartSphere<dim>& sphere, const SurfaceSide& side, bool measured,
                double near_distance, SoilAtStart<dim>& soil) {
   if (side.in_front()) {
-    soil.gap = std::min(soil.gap, side.distance - ball.radius);
+    soil.gap = std::min(soil.gap, side.distance - sphere.radius);
     soil.near_front += side.distance <= near_distance;
   } else {
     soil.near_behind += side.distance <= near_distance;
   }
-  const auto depth = depth_inside(ball, side, measured);
-  if (!depth || (!side.in_front() && side.distance > ball.size)) return;
+  const auto depth = depth_inside(sphere, side, measured);
+  if (!depth || (!side.in_front() && side.distance > sphere.size)) return;
   ++soil.inside;
   if (*depth <= soil.deepest) return;
   soil.deepest = *depth;
-  soil.deepest_at = ball.x;
+  soil.deepest_at = sphere.x;
 }
 
 /// Findings of one surface on all ranks.
@@ -194,11 +194,11 @@ std::vector<SoilAtStart<dim>> soil_at_start(const std::vector<StartSurface<dim>>
   for (std::int32_t p = 0; p < points.size(); ++p) {
     for (std::size_t k = 0; k < sided.size(); ++k) sides[k] = sided[k].side(points.x[p]);
     const int owner = owner_of(sides);
-    const StartBall<dim> ball = start_ball(points, p);
+    const StartSphere<dim> sphere = start_sphere(points, p);
     for (std::size_t k = 0; k < sided.size(); ++k) {
       if (!sides[k].known() || (!sides[k].in_front() && owner != static_cast<int>(k))) continue;
       const bool measured = std::holds_alternative<FacetSettings>(surfaces[k].settings.method);
-      add_point<dim>(ball, sides[k], measured, near_distance, found[k]);
+      add_point<dim>(sphere, sides[k], measured, near_distance, found[k]);
     }
   }
   return found;

@@ -81,9 +81,9 @@ bool fades_out(const FacingSurface<dim>& surface, const Sight<dim>& sight,
 template <int dim>
 double farthest_that_counts(const FacingSurface<dim>& surface, const Vector<dim>& x,
                             const Vector<dim>& y, double reach) {
-  const double way = (y - x).norm() + surface.motion;
-  if (way > reach) return std::numeric_limits<double>::infinity();
-  return reach + surface.size + way;
+  const double path = (y - x).norm() + surface.motion;
+  if (path > reach) return std::numeric_limits<double>::infinity();
+  return reach + surface.size + path;
 }
 
 }  // namespace
@@ -99,7 +99,7 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
   for (const FacingSimplex& facing : surface.facing) {
     if (facing.distance > farthest) continue;
     const auto corners = corners_of<dim>(surface.simplices[facing.simplex], surface.end);
-    sights.push_back(sight_of<dim>(surface, facing, Way<dim>{x, y}, simplex_normal<dim>(corners)));
+    sights.push_back(sight_of<dim>(surface, facing, Path<dim>{x, y}, simplex_normal<dim>(corners)));
   }
   const Sight<dim>* touched = nearest_touched<dim>(sights);
   const Sight<dim>* behind = nullptr;  // the least deep

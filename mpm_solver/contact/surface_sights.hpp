@@ -16,7 +16,7 @@ namespace gabion::mpm::sights {
 inline constexpr double same_distance = 1e-9;
 
 // Distance beyond the end of a simplex over which its depth fades out, as a share of the radius. At
-// a bend by alpha its plane pushes (WayOut) up to R tan(alpha / 2) cos(alpha) there, which is
+// a bend by alpha its plane pushes (ShortestExit) up to R tan(alpha / 2) cos(alpha) there, which is
 // largest at cos(alpha) = 0.618.
 inline constexpr double fading_share = 0.301;
 
@@ -67,7 +67,7 @@ bool meets(const FacingSurface<dim>& surface, const Vector<dim>& x, const Simple
 
 /// The displacement path of a point in a step.
 template <int dim>
-struct Way {
+struct Path {
   Vector<dim> from, to;
 };
 
@@ -75,10 +75,10 @@ struct Way {
 // @param t  share of the path at which it meets the plane
 template <int dim>
 bool way_crosses(const std::array<Vector<dim>, dim>& start, const std::array<Vector<dim>, dim>& end,
-                 const Way<dim>& way, double t) {
+                 const Path<dim>& path, double t) {
   std::array<Vector<dim>, dim> corners;
   for (int k = 0; k < dim; ++k) corners[k] = (1 - t) * start[k] + t * end[k];
-  const Vector<dim> at = (1 - t) * way.from + t * way.to;
+  const Vector<dim> at = (1 - t) * path.from + t * path.to;
   double size = 0;
   for (int k = 1; k < dim; ++k) size = std::max(size, (corners[k] - corners[0]).norm());
   return (closest_place<dim>(corners, at).x - at).norm() <= 1e-6 * size;
@@ -87,20 +87,20 @@ bool way_crosses(const std::array<Vector<dim>, dim>& start, const std::array<Vec
 // @param normal  of the simplex at the end of the step
 template <int dim>
 Sight<dim> sight_of(const FacingSurface<dim>& surface, const FacingSimplex& facing,
-                    const Way<dim>& way, const Vector<dim>& normal) {
+                    const Path<dim>& path, const Vector<dim>& normal) {
   const Simplex<dim>& simplex = surface.simplices[facing.simplex];
   const auto corners = corners_of<dim>(simplex, surface.end);
   Sight<dim> sight;
   sight.simplex = facing.simplex;
-  sight.place = closest_place<dim>(corners, way.to);
+  sight.place = closest_place<dim>(corners, path.to);
   sight.normal = normal;
-  sight.height = (way.to - corners[0]).dot(sight.normal);
-  sight.distance = (way.to - sight.place.x).norm();
+  sight.height = (path.to - corners[0]).dot(sight.normal);
+  sight.distance = (path.to - sight.place.x).norm();
   sight.was_behind = facing.height <= 0;
   sight.touched = facing.touched;
   if (sight.height <= 0 && !sight.was_behind) {
     const double share = facing.height / (facing.height - sight.height);
-    sight.crossed = way_crosses<dim>(corners_of<dim>(simplex, surface.start), corners, way, share);
+    sight.crossed = way_crosses<dim>(corners_of<dim>(simplex, surface.start), corners, path, share);
   }
   return sight;
 }

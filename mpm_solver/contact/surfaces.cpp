@@ -220,7 +220,7 @@ void Surfaces<dim>::move_wall(std::size_t wall, std::span<const double> displace
 template <int dim>
 bool Surfaces<dim>::look_ahead() const {
   for (std::size_t k = 0; k < size(); ++k) {
-    if (std::isfinite(contact_of(k).allowed_way(member_of(k)))) return true;
+    if (std::isfinite(contact_of(k).allowed_motion(member_of(k)))) return true;
   }
   return false;
 }
@@ -228,7 +228,7 @@ bool Surfaces<dim>::look_ahead() const {
 template <int dim>
 void Surfaces<dim>::refuse_misses(double largest) const {
   for (std::size_t k = 0; k < size(); ++k) {
-    const double allowed = contact_of(k).allowed_way(member_of(k));
+    const double allowed = contact_of(k).allowed_motion(member_of(k));
     if (max_over_ranks(comm_, largest > allowed ? 1 : 0) == 0) continue;
     throw ConvergenceError(
         fmt::format("soil and \"{}\" move too far in one step to know where they touch",

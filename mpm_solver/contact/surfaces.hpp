@@ -59,7 +59,7 @@ class Surfaces {
   // The following are collective.
 
   /// @throws ConvergenceError  soil or a surface moved farther than begin_step looked ahead
-  /// @param largest  of SurplusWays on this rank [m]
+  /// @param largest  of SurplusMotions on this rank [m]
   void refuse_misses(double largest) const;
   /// Whether a contact looks ahead, so that refuse_misses has something to refuse.
   bool look_ahead() const;

@@ -41,9 +41,9 @@ class SoilBefore {
     for (const std::int32_t k : hash_.near(x)) {
       const std::int32_t s = which_[k];
       if (faces_.bounds[s].is_beyond(x, nearest + cell_size_ / 2)) continue;
-      const Vector<dim> way = x - faces_.closest(s, x);
-      const double distance = way.norm();
-      if (distance > reach_ || way.dot(faces_.bounds[s].normal) < before_cosine * distance)
+      const Vector<dim> path = x - faces_.closest(s, x);
+      const double distance = path.norm();
+      if (distance > reach_ || path.dot(faces_.bounds[s].normal) < before_cosine * distance)
         continue;
       nearest = std::min(nearest, distance);
       seen.emplace_back(s, distance);

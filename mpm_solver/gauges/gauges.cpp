@@ -132,10 +132,10 @@ void Gauges<dim>::add_step(std::span<const Vector<dim>> x_n, const MaterialPoint
   std::vector<Vector<dim + 1>> passed(gauges_.size(), Vector<dim + 1>::Zero());
   for (std::size_t k = 0; k < gauges_.size(); ++k) {
     for (std::int32_t p = 0; p < points.size(); ++p) {
-      const int way = gauges_[k].crossing(x_n[p], points.x[p]);
-      if (way == 0) continue;
-      passed[k][0] += way * points.m[p];
-      passed[k].template tail<dim>() += way * points.m[p] * points.v[p];
+      const int path = gauges_[k].crossing(x_n[p], points.x[p]);
+      if (path == 0) continue;
+      passed[k][0] += path * points.m[p];
+      passed[k].template tail<dim>() += path * points.m[p] * points.v[p];
     }
   }
   sum_over_ranks<dim + 1>(comm_, std::span<Vector<dim + 1>>(passed));

@@ -24,7 +24,8 @@ struct GridNodes {
   std::vector<std::int32_t> of_groups;  ///< active numbers of PointWeights::group_nodes
   std::vector<Vector<dim>> x;           ///< position [m]
   std::vector<double> m;                ///< mass [kg]
-  std::vector<Vector<dim>> v;   ///< velocity mapped from the points [m/s]; WallStop changes it
+  std::vector<Vector<dim>>
+      v;  ///< velocity mapped from the points [m/s]; InelasticProjection changes it
   std::vector<Vector<dim>> a;   ///< acceleration mapped from the points [m/s^2]
   SharedNodes shared;           ///< with other ranks
   std::int32_t num_fields = 1;  ///< as of PointWeights

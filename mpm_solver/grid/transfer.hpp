@@ -51,9 +51,9 @@ struct NodalMotion {
 ///
 ///     x += sum_i N_i du_i ,  v += sum_i N_i (v'_i - v_i) ,  a = sum_i N_i a'_i
 ///
-/// v_i is the velocity mapped from the points, after WallStop; with TPIC before the walls act, so
-/// that their impulse reaches the points. The velocity is then blended with eta parts of sum_i N_i
-/// v'_i (PIC).
+/// v_i is the velocity mapped from the points, after InelasticProjection; with TPIC before the
+/// walls act, so that their impulse reaches the points. The velocity is then blended with eta parts
+/// of sum_i N_i v'_i (PIC).
 ///
 /// Where the points carry gradients (TPIC, with eta = 1), those of the new positions replace them,
 ///

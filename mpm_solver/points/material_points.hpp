@@ -21,7 +21,16 @@ struct Body {
   std::string name;
   Material<dim> material;
   std::optional<PoreWater> water = std::nullopt;  ///< none: dry
+  /// Keys of the material that vary in space, as paths within it; MaterialPoints::parameters has
+  /// the values, in this order.
+  std::vector<std::string> varying{};
 };
+
+/// State variables of a law from a library (Umat), of which it may have so many.
+using StateVariables = Eigen::Matrix<double, 64, 1>;
+
+/// Values of the parameters of a material that vary in space, at a point; unused ones are 0.
+using VaryingParameters = Eigen::Vector4d;
 
 /// Modulus of P waves of a body without its water [Pa].
 template <int dim>
@@ -40,22 +49,24 @@ double undrained_modulus(const Body<dim>& body) {
 /// (PointRanks).
 template <int dim>
 struct MaterialPoints {
-  std::vector<Vector<dim>> x;               ///< position [m]
-  std::vector<Vector<dim>> u;               ///< displacement since the start [m]
-  std::vector<Vector<dim>> v;               ///< velocity [m/s]
-  std::vector<Vector<dim>> a;               ///< acceleration [m/s^2]
-  std::vector<Matrix<dim>> grad_v;          ///< velocity gradient [1/s]; empty unless TPIC
-  std::vector<Matrix<dim>> grad_a;          ///< acceleration gradient [1/s^2]; empty unless TPIC
-  std::vector<double> m;                    ///< mass [kg] (2D: per metre of thickness)
-  std::vector<double> V0;                   ///< volume in the stress-free state [m^3]
-  std::vector<double> depth;                ///< below the nearest side of its body's cell [m]
-  std::vector<double> J;                    ///< current volume / V0
-  std::vector<double> energy;               ///< elastic energy / V0 [J/m^3]
-  std::vector<Symmetric<dim>> tau;          ///< Kirchhoff stress [Pa]
-  std::vector<MaterialState<dim>> history;  ///< of the material law
-  std::vector<InternalState> internal;      ///< the same; empty unless a law remembers it
-  std::vector<std::int32_t> cell;           ///< of the background grid that holds x
-  std::vector<std::int64_t> id;             ///< number in the whole run, from 0
+  std::vector<Vector<dim>> x;                 ///< position [m]
+  std::vector<Vector<dim>> u;                 ///< displacement since the start [m]
+  std::vector<Vector<dim>> v;                 ///< velocity [m/s]
+  std::vector<Vector<dim>> a;                 ///< acceleration [m/s^2]
+  std::vector<Matrix<dim>> grad_v;            ///< velocity gradient [1/s]; empty unless TPIC
+  std::vector<Matrix<dim>> grad_a;            ///< acceleration gradient [1/s^2]; empty unless TPIC
+  std::vector<double> m;                      ///< mass [kg] (2D: per metre of thickness)
+  std::vector<double> V0;                     ///< volume in the stress-free state [m^3]
+  std::vector<double> depth;                  ///< below the nearest side of its body's cell [m]
+  std::vector<double> J;                      ///< current volume / V0
+  std::vector<double> energy;                 ///< elastic energy / V0 [J/m^3]
+  std::vector<Symmetric<dim>> tau;            ///< Kirchhoff stress [Pa]
+  std::vector<MaterialState<dim>> history;    ///< of the material law
+  std::vector<InternalState> internal;        ///< the same; empty unless a law remembers it
+  std::vector<StateVariables> variables;      ///< of laws from a library; empty without one
+  std::vector<VaryingParameters> parameters;  ///< Body::varying; empty where no body has any
+  std::vector<std::int32_t> cell;             ///< of the background grid that holds x
+  std::vector<std::int64_t> id;               ///< number in the whole run, from 0
   /// Pore water of each point when it is free of pressure, over V0, 0: dry; empty where no body has
   /// any (PoreWater::at).
   std::vector<double> water;
@@ -90,6 +101,8 @@ constexpr void for_each_field(const Visit& visit) {
   visit("tau", &Points::tau);
   visit("history", &Points::history);
   visit("internal", &Points::internal);
+  visit("variables", &Points::variables);
+  visit("parameters", &Points::parameters);
   visit("cell", &Points::cell);
   visit("water", &Points::water);
   visit("half_length", &Points::half_length);

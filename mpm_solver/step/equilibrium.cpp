@@ -118,7 +118,7 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
   RefusedPoint worst;
   Sums sums;
   sums.inadmissible = internal_.evaluate(du, K, worst) ? 0 : 1;
-  if (K && brace_ > 0) internal_.add_brace(brace_, *K);
+  if (K && regularisation_ > 0) internal_.add_regularisation(regularisation_, *K);
   sum_forces(du, r, K);
   add_weight(r, sums);
   if (parts_.with_inertia) add_inertia(du, r, K, sums);
@@ -187,8 +187,8 @@ void Equilibrium<dim>::sum_forces(std::span<const double> du, std::span<double> 
 }
 
 template <int dim>
-bool Equilibrium<dim>::brace(double share) {
-  brace_ = share;
+bool Equilibrium<dim>::regularise(double share) {
+  regularisation_ = share;
   return max_over_ranks(parts_.comm, internal_.yielded() ? 1 : 0) > 0;
 }
 

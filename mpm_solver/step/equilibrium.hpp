@@ -66,7 +66,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// @param wall_step  w, zero but for the held directions of wall nodes
   Evaluation linearise(std::span<const double> wall_step, std::span<double> r, BlockMatrix<dim>& K);
   /// The stiffness of points that yielded since the solution began (YieldingPoints).
-  bool brace(double share) override;
+  bool regularise(double share) override;
   /// Adds stiffness in quasi-static analysis with contact, where bodies may have to move before a
   /// surface holds them.
   bool support(bool on) override;
@@ -122,7 +122,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   InternalForces<dim> internal_;
   bool first_evaluation_ = true;       // of a solution
   bool supported_ = false;             // K holds a little stiffness everywhere
-  double brace_ = 0;                   // share of the stiffness that K holds besides the tangent
+  double regularisation_ = 0;          // share of the stiffness that K holds besides the tangent
   std::vector<double> v_, a_;          // walls applied
   std::vector<double> m_;              // nodal mass; with inertia not below the floor
   std::span<const double> wall_step_;  // see linearise(); empty otherwise

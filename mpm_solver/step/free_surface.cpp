@@ -154,10 +154,10 @@ class Search {
     Vector<dim> sum = Vector<dim>::Zero();
     double all = 0;
     for_points_near(box_.lattice_position(parts_.points.x[p]), reach, true,
-                    [&](std::int32_t q, const Vector<dim>& way) {
-                      const double near = 1 - way.squaredNorm() / (reach * reach);
-                      sum -= volume(q) * near * way;
-                      all += volume(q) * near * way.norm();
+                    [&](std::int32_t q, const Vector<dim>& path) {
+                      const double near = 1 - path.squaredNorm() / (reach * reach);
+                      sum -= volume(q) * near * path;
+                      all += volume(q) * near * path.norm();
                     });
     const double size = sum.norm();
     if (size > rounding * all) return sum / size;
@@ -180,11 +180,11 @@ class Search {
     bool meets = false;
     const double reach = reach_of_points * (side(p) + largest_side_);
     for_points_near(box_.lattice_position(parts_.points.x[p]), reach, false,
-                    [&](std::int32_t q, const Vector<dim>& way) {
-                      const double size = way.norm();
+                    [&](std::int32_t q, const Vector<dim>& path) {
+                      const double size = path.norm();
                       if (q == p || size > reach_of_points * (side(p) + side(q))) return;
                       const double along = (std::numbers::sqrt2 / 2 - rounding) * size;
-                      if (way.dot(n) >= along) meets = true;
+                      if (path.dot(n) >= along) meets = true;
                     });
     return meets;
   }

@@ -11,7 +11,7 @@
 #include "mpm_solver/grid/transfer.hpp"
 #include "mpm_solver/points/point_totals.hpp"
 #include "mpm_solver/step/equilibrium.hpp"
-#include "mpm_solver/walls/wall_stop.hpp"
+#include "mpm_solver/walls/inelastic_projection.hpp"
 
 namespace gabion::mpm {
 
@@ -41,7 +41,7 @@ struct StepBalance {
 /// Count what the walls did before the nodes moved.
 /// @param pic_share  that the points take of the nodes' momentum
 template <int dim>
-void add_stop(const typename WallStop<dim>::Totals& stop, double pic_share,
+void add_stop(const typename InelasticProjection<dim>::Totals& stop, double pic_share,
               StepBalance<dim>& step) {
   step.kinetic_before += stop.loss;
   step.wall_loss += stop.loss + stop.work;

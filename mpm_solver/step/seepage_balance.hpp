@@ -30,7 +30,7 @@ class SeepageBalance final : public NewtonProblem<dim + 1> {
 
   Evaluation evaluate(std::span<const double> x, std::span<double> r,
                       BlockMatrix<block_size>* K) override;
-  bool brace(double share) override { return equilibrium_.brace(share); }
+  bool regularise(double share) override { return equilibrium_.regularise(share); }
   bool support(bool on) override { return equilibrium_.support(on); }
   double increment_scale() const override { return equilibrium_.increment_scale(); }
   std::string describe_node(std::size_t i) const override { return equilibrium_.describe_node(i); }

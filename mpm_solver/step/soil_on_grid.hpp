@@ -12,7 +12,7 @@
 #include "mpm_solver/small_cuts/weak_nodes.hpp"
 #include "mpm_solver/step/soil_state.hpp"
 #include "mpm_solver/stress/cell_quadrature.hpp"
-#include "mpm_solver/walls/wall_stop.hpp"
+#include "mpm_solver/walls/inelastic_projection.hpp"
 
 namespace gabion::mpm {
 
@@ -53,7 +53,7 @@ class SoilOnGrid {
   const GridNodes<dim>& nodes() const { return nodes_; }
   WallConditions<dim>& walls(std::size_t phase) { return walls_of_phases_[phase]; }
   /// What the walls did to the velocities of the points, which have not got it yet.
-  const WallStop<dim>& stop() const { return stop_; }
+  const InelasticProjection<dim>& stop() const { return stop_; }
   /// Add the mean forces with which the points hit the walls. @param forces  of the phase's walls
   void add_stopping_forces(std::size_t phase, double dt, std::span<Vector<dim>> forces) const;
   /// Faces of thin walls whose two sides share nodes: without fields by side (SideFields).
@@ -85,7 +85,7 @@ class SoilOnGrid {
   std::vector<WallConditions<dim>> walls_of_phases_;
   PointWeights<dim> weights_;
   GridNodes<dim> nodes_;
-  WallStop<dim> stop_;
+  InelasticProjection<dim> stop_;
   std::optional<CellQuadrature<dim>> quadrature_;  // none: stresses are summed over points
   std::vector<OpenNodes> open_of_phases_;          // with it
   std::optional<GhostStiffness<dim>> ghost_;

@@ -164,7 +164,8 @@ void check_points(const MaterialPoints<dim>& points, std::int32_t num_cells) {
         const std::size_t size = (points.*field).size();
         const bool optional = name == std::string("half_length") || name == std::string("grad_v") ||
                               name == std::string("grad_a") || name == std::string("water") ||
-                              name == std::string("internal");
+                              name == std::string("internal") || name == std::string("variables") ||
+                              name == std::string("parameters");
         require(size == count || (optional && size == 0),
                 "saved state: points.{}: found {} values for {} points", name, size, count);
       });

@@ -12,7 +12,7 @@
 #include "mpm_solver/step/implicit_step.hpp"
 #include "mpm_solver/step/soil_on_grid.hpp"
 #include "mpm_solver/step/soil_state.hpp"
-#include "mpm_solver/step/surplus_ways.hpp"
+#include "mpm_solver/step/surplus_motions.hpp"
 #include "mpm_solver/step_sizes/step_sizes.hpp"
 
 namespace gabion::mpm {
@@ -105,7 +105,7 @@ class SoilStep {
   StrengthSearch strength_;             // after the current step
   std::vector<double> pore_pressures_;  // SoilSurface::pore_pressures
   SparseList<char> occupied_;           // SoilOnGrid::occupied_cells; empty where nobody asks
-  SurplusWays<dim> surplus_;
+  SurplusMotions<dim> surplus_;
   TrialPoints<dim> trial_;
   std::unique_ptr<ImplicitStep<dim>> implicit_;
   ExplicitStep<dim> explicit_;

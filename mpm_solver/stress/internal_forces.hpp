@@ -68,7 +68,7 @@ class InternalForces {
   /// Whether a point of this rank yielded in any state since then.
   bool yielded() const { return yielding_.any(); }
   /// See YieldingPoints.
-  void add_brace(double share, BlockMatrix<dim>& K) const {
+  void add_regularisation(double share, BlockMatrix<dim>& K) const {
     yielding_.add_stiffness(share, parts_, K);
   }
   /// Forget what earlier solutions of this step knew, so that repeated requests give the same bits.

@@ -51,7 +51,7 @@ struct PointsInStep {
 /// Largest excess of the displacement of a point of a group over twice that by the velocity of
 /// fastest_about [m]; below 0: no point moves so far.
 template <int dim>
-double surplus_way(const PointsInStep<dim>& step, const CellGroup& group) {
+double surplus_motion(const PointsInStep<dim>& step, const CellGroup& group) {
   const auto& [points, weights, nodes, du, dt] = step;
   double largest = -std::numeric_limits<double>::infinity();
   GroupDisplacements<dim> of_group;

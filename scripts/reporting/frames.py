@@ -117,10 +117,10 @@ class Packer:
         camera = camera_of(self.results.gravity, np.ptp(every, axis=0), 0, 0)
         return {"right": camera.right.tolist(), "up": camera.up.tolist(), "eye": camera.eye.tolist(),
                 "low": every.min(axis=0).tolist(), "high": every.max(axis=0).tolist(),
-                "size": self._ball_size(soil[0]) if soil else 0,
+                "size": self._sphere_size(soil[0]) if soil else 0,
                 "walls": packed_walls(self.results, times, MAX_GROUND)}
 
-    def _ball_size(self, points: np.ndarray) -> float:
+    def _sphere_size(self, points: np.ndarray) -> float:
         """Distance of points [m], in a lattice that of its six nearest; larger where not all of them are drawn.
 
         The extent of a body says less of it: one in a gully fills its box by a part only.

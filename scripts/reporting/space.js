@@ -169,7 +169,7 @@ class Space {
     return {object: group, poses: new Float32Array(bytes(packed.poses)), until: packed.until};
   }
 
-  // The ground from below. Balls of the lowest points reach through it: it is drawn nearer by their size, see setCamera.
+  // The ground from below. Spheres of the lowest points reach through it: it is drawn nearer by their size, see setCamera.
   underside(geometry) {
     const object = this.surface(geometry, FLOOR, THREE.BackSide);
     object.material.polygonOffset = true;

@@ -26,7 +26,7 @@ def lattice() -> np.ndarray:
     return points[np.linalg.norm(points, axis=1) < RADIUS]
 
 
-class SurfaceOfABall(unittest.TestCase):
+class SurfaceOfASphere(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         points = lattice()

@@ -103,9 +103,9 @@ class Space(ScriptCase):
         lattice = np.stack(np.meshgrid(*[0.1 * np.arange(20)] * 3), axis=-1).reshape(-1, 3)
         slope = lattice[lattice[:, 0] + lattice[:, 2] < 1.95]
         packer.num_points = len(slope)
-        self.assertAlmostEqual(packer._ball_size(slope), 0.1)
+        self.assertAlmostEqual(packer._sphere_size(slope), 0.1)
         packer.num_points = len(slope) / 8
-        self.assertAlmostEqual(packer._ball_size(slope), 0.2)
+        self.assertAlmostEqual(packer._sphere_size(slope), 0.2)
 
     def test_up_is_against_gravity(self) -> None:
         for up, gravity in ((2, -9.81), (1, -9.81), (2, 9.81)):

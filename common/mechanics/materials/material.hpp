@@ -15,6 +15,7 @@
 #include "common/mechanics/materials/newtonian.hpp"
 #include "common/mechanics/materials/softening_soil.hpp"
 #include "common/mechanics/materials/tresca.hpp"
+#include "common/mechanics/materials/umat.hpp"
 #include "common/settings/config_reader.hpp"
 
 namespace gabion {
@@ -46,7 +47,7 @@ template <int dim>
 using MaterialLaw =
     std::variant<LinearElastic<dim>, NeoHookean<dim>, HenckyElastic<dim>, MohrCoulomb<dim>,
                  Tresca<dim>, DruckerPrager<dim>, HerschelBulkley<dim>, SofteningSoil<dim>,
-                 MuI<dim>, CamClay<dim>, Newtonian<dim>>;
+                 MuI<dim>, CamClay<dim>, Newtonian<dim>, Umat<dim>>;
 
 template <int dim, class... Laws>
 constexpr bool are_laws(std::type_identity<std::variant<Laws...>>) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <span>
 #include <string_view>
 
 #include "common/mechanics/tensor.hpp"
@@ -82,6 +83,9 @@ struct PointContext {
   /// Width of the narrowest band of shear that the grid can make at the point [m]; 0: no grid.
   double band_width = 0;
   InternalState internal = InternalState::Zero();  ///< at the start, of laws that remember it
+  /// State variables of a law from a library (Umat) at the start, as many as it has; empty: virgin.
+  std::span<const double> variables{};
+  std::span<double> new_variables{};  ///< room for those at the end; empty: not wanted
 };
 
 /// Laws whose stress depends on the context, besides `update` without one.

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "common/base/error.hpp"
-#include "common/mechanics/newton/brace.hpp"
+#include "common/mechanics/newton/regularisation.hpp"
 #include "common/mechanics/norm.hpp"
 
 namespace gabion {
@@ -78,9 +78,9 @@ class Newton {
   bool cycles() const;
   bool line_search();
   bool sufficient(const Iterate& next) const;
-  bool raise_brace();
+  bool raise_regularisation();
   bool ask_for_support();
-  void follow_brace(double norm_before);
+  void follow_regularisation(double norm_before);
   bool goes_in_circles() const;
   bool is_converged() const;
   bool is_solution() const;
@@ -104,8 +104,8 @@ class Newton {
   bool supported_ = false;      // the step at hand
   bool wants_support_ = false;  // the next step: K was singular but for round-off
   bool matrix_is_old_ = false;  // the linear solver holds the matrix of an earlier iterate
-  Brace brace_;
-  std::size_t unbraced_since_ = 0;  // first of the residuals since the last regularised step
+  Regularisation regularisation_;
+  std::size_t plain_since_ = 0;  // first of the residuals since the last regularised step
   NewtonReport report_;
 };
 
@@ -186,7 +186,7 @@ void Newton<block_size>::solve_linear() {
     }
   }
   ++report_.iterations;
-  report_.braced += brace_.active();
+  report_.braced += regularisation_.active();
   step_size_ = problem_.shared().largest(worst_node<block_size>(step_).size);
 }
 
@@ -210,7 +210,7 @@ int Newton<block_size>::solve_supported(double tolerance, const std::string& rea
 template <int block_size>
 bool Newton<block_size>::sufficient(const Iterate& next) const {
   if (next.small_residual) return true;
-  if (brace_.active()) return Brace::allows(current_.norm, next.norm);
+  if (regularisation_.active()) return Regularisation::allows(current_.norm, next.norm);
   return next.norm < current_.norm ||
          std::abs(dot(step_, trial_r_)) <= energy_reduction * std::abs(dot(step_, r_));
 }
@@ -228,7 +228,7 @@ bool Newton<block_size>::cycles() const {
 template <int block_size>
 bool Newton<block_size>::line_search() {
   const bool speculate = !settings_.reuse_matrix && !current_.likely_last && !next_is_last();
-  cut_ = !brace_.active() && cycles() ? 0.5 : 1;
+  cut_ = !regularisation_.active() && cycles() ? 0.5 : 1;
   const int most = supported_ ? max_supported_cuts : max_cuts;
   for (int cuts = 0; cuts <= most; ++cuts, cut_ /= 2) {
     for (std::size_t i = 0; i < du_.size(); ++i) trial_[i] = du_[i] + cut_ * step_[i];
@@ -249,10 +249,10 @@ bool Newton<block_size>::line_search() {
 
 // More stiffness at the kinks of r. @returns false where no more is possible or r has none
 template <int block_size>
-bool Newton<block_size>::raise_brace() {
-  if (!brace_.raise()) return false;
-  if (!problem_.brace(brace_.share())) {
-    brace_ = {};
+bool Newton<block_size>::raise_regularisation() {
+  if (!regularisation_.raise()) return false;
+  if (!problem_.regularise(regularisation_.share())) {
+    regularisation_ = {};
     return false;
   }
   current_.has_matrix = false;
@@ -263,34 +263,34 @@ bool Newton<block_size>::raise_brace() {
 // @returns false where no part can be loose, or where support did not help
 template <int block_size>
 bool Newton<block_size>::ask_for_support() {
-  if (supported_ || brace_.active() || !problem_.support(false)) return false;
+  if (supported_ || regularisation_.active() || !problem_.support(false)) return false;
   wants_support_ = true;
   return true;
 }
 
 template <int block_size>
-void Newton<block_size>::follow_brace(double norm_before) {
-  if (!brace_.active()) return;
+void Newton<block_size>::follow_regularisation(double norm_before) {
+  if (!regularisation_.active()) return;
   if (current_.small_residual) {
-    brace_ = {};
+    regularisation_ = {};
   } else {
-    brace_.follow(norm_before, current_.norm);
+    regularisation_.follow(norm_before, current_.norm);
   }
-  problem_.brace(brace_.share());
+  problem_.regularise(regularisation_.share());
   current_.has_matrix = false;
-  unbraced_since_ = report_.residuals.size() - 1;
+  plain_since_ = report_.residuals.size() - 1;
 }
 
 template <int block_size>
 bool Newton<block_size>::goes_in_circles() const {
-  return !brace_.active() && !current_.small_residual &&
-         go_in_circles(std::span<const double>(report_.residuals).subspan(unbraced_since_));
+  return !regularisation_.active() && !current_.small_residual &&
+         go_in_circles(std::span<const double>(report_.residuals).subspan(plain_since_));
 }
 
 // Whether the iterate is the solution after a step was taken.
 template <int block_size>
 bool Newton<block_size>::is_converged() const {
-  if (brace_.active() || supported_) return false;
+  if (regularisation_.active() || supported_) return false;
   return (current_.small_residual && is_small(cut_ * step_size_)) ||
          (!matrix_is_old_ && step_size_ <= increment_round_off * problem_.increment_scale());
 }
@@ -299,7 +299,7 @@ bool Newton<block_size>::is_converged() const {
 // whatever lies beyond a kink.
 template <int block_size>
 bool Newton<block_size>::is_solution() const {
-  return current_.small_residual && !brace_.active() && !supported_ && !matrix_is_old_ &&
+  return current_.small_residual && !regularisation_.active() && !supported_ && !matrix_is_old_ &&
          is_small(step_size_);
 }
 
@@ -307,7 +307,7 @@ template <int block_size>
 NewtonReport Newton<block_size>::run() {
   const bool reuse = settings_.reuse_matrix && matrix_.is_usable;
   matrix_.is_usable = false;
-  problem_.brace(0);
+  problem_.regularise(0);
   const Iterate first = evaluate(du_, r_, !reuse);
   if (!rejection_.empty()) fail("the guess is inadmissible: " + rejection_, "inadmissible_guess");
   accept(first);
@@ -317,20 +317,21 @@ NewtonReport Newton<block_size>::run() {
     if (report_.iterations == settings_.max_iterations) {
       fail("iteration limit reached", "iteration_limit");
     }
-    if (goes_in_circles() && raise_brace()) matrix_is_usable = false;
+    if (goes_in_circles() && raise_regularisation()) matrix_is_usable = false;
     matrix_is_old_ = matrix_is_usable;
     if (!matrix_is_usable) provide_matrix();
     solve_linear();
     const double norm_before = current_.norm;
     if (line_search()) {
       converged = is_converged();
-      matrix_is_usable = settings_.reuse_matrix && !brace_.active() && !supported_ &&
+      matrix_is_usable = settings_.reuse_matrix && !regularisation_.active() && !supported_ &&
                          (converged || current_.norm <= reuse_reduction * norm_before);
-      follow_brace(norm_before);
+      follow_regularisation(norm_before);
     } else if (is_solution()) {
       evaluate(du_, r_, false);
       converged = true;
-    } else if (matrix_is_old_ || report_.matrices == 1 || raise_brace() || ask_for_support()) {
+    } else if (matrix_is_old_ || report_.matrices == 1 || raise_regularisation() ||
+               ask_for_support()) {
       matrix_is_usable = false;  // the first K may be that of a neighbouring state
     } else {
       fail("line search failed" + (rejection_.empty() ? "" : ": " + rejection_), "line_search");

@@ -47,7 +47,7 @@ class NewtonProblem {
   /// Let K hold `share` of a full stiffness besides -dr/du where r has kinks; 0: -dr/du
   /// alone. The share holds until the next call.
   /// Collective. @returns whether there is such a place
-  virtual bool brace(double share) {
+  virtual bool regularise(double share) {
     static_cast<void>(share);
     return false;
   }
@@ -103,11 +103,11 @@ struct NewtonReport {
 /// before it is the solution. With force_scale 0 only r = 0 converges.
 ///
 /// Where r has kinks, such as soil that comes loose, s may be refused at any size and full steps
-/// may jump to and fro for ever. Then K is regularised there (NewtonProblem::brace, Brace): s
-/// counts as good up to twice |r|, and only a step without regularisation ends the search. Within
-/// the limit of |r| the regularisation is taken off. It changes K alone: the solution does not
-/// depend on it. Where K without it is singular, it gets additional stiffness for one step
-/// (NewtonProblem::support).
+/// may jump to and fro for ever. Then K is regularised there (NewtonProblem::brace,
+/// Regularisation): s counts as good up to twice |r|, and only a step without regularisation ends
+/// the search. Within the limit of |r| the regularisation is taken off. It changes K alone: the
+/// solution does not depend on it. Where K without it is singular, it gets additional stiffness for
+/// one step (NewtonProblem::support).
 ///
 /// K comes with the residual in one evaluation unless the iterate is likely the last one: quadratic
 /// convergence predicts it, or the problem does. The linear tolerance is 0.3 of what the next

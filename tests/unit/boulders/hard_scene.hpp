@@ -14,7 +14,8 @@ inline constexpr double g = 9.81;
 
 template <int dim>
 HardBody hard_body(const BoulderShape<dim>& shape, HardLaw law) {
-  HardBody body{.name = "stone", .mass = shape.mass, .ball = shape.ball, .radius = shape.radius};
+  HardBody body{
+      .name = "stone", .mass = shape.mass, .sphere = shape.sphere, .radius = shape.radius};
   for (const auto& X : shape.surface.vertices) {
     body.vertices.emplace_back(Vector<3>::Zero()).template head<dim>() = X;
   }
@@ -99,7 +100,8 @@ inline Vector<3> on_slope(int dim, double degrees) {
 /// @returns  largest speed after 3 s over sqrt(g R)
 inline double pyramid_speed(double friction) {
   const double R = 0.5, gap = 1e-4;
-  const std::vector<HardBody> bodies(3, hard_body(ball_shape<2>(R, 2650), {.friction = friction}));
+  const std::vector<HardBody> bodies(3,
+                                     hard_body(sphere_shape<2>(R, 2650), {.friction = friction}));
   Scene scene(2, bodies, on_slope(2, 0), {ground(2)});
   scene.now.states[0].x = {-R - gap, R, 0};
   scene.now.states[1].x = {R + gap, R, 0};

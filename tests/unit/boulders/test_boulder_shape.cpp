@@ -23,12 +23,12 @@ void expect_same_mass(const BoulderShape<dim>& shape, double density, double tol
 }
 
 TEST(BoulderShape, balls_have_the_mass_of_their_radius) {
-  const auto sphere = ball_shape<3>(0.5, 2650);
+  const auto sphere = sphere_shape<3>(0.5, 2650);
   EXPECT_NEAR(sphere.mass.mass, 1387.537, 1e-3);
   EXPECT_NEAR(sphere.mass.inertia(0, 0), 0.4 * sphere.mass.mass * 0.25, 1e-9);
   EXPECT_EQ(sphere.surface.facets.size(), 3u * 1280);
   expect_same_mass(sphere, 2650, 1e-3);
-  const auto disc = ball_shape<2>(0.5, 1000);
+  const auto disc = sphere_shape<2>(0.5, 1000);
   EXPECT_NEAR(disc.mass.mass, 250 * std::numbers::pi, 1e-9);
   EXPECT_NEAR(disc.mass.inertia(2, 2), 0.5 * disc.mass.mass * 0.25, 1e-9);
   expect_same_mass(disc, 1000, 1e-3);

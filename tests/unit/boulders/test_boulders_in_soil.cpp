@@ -15,7 +15,7 @@ namespace {
 
 constexpr double g = 9.81, radius = 0.25, density = 2650;
 
-double mass_of_ball(int dim) {
+double mass_of_sphere(int dim) {
   const double content = dim == 2 ? radius * radius : 4. / 3 * std::pow(radius, 3);
   return M_PI * density * content;
 }
@@ -70,7 +70,7 @@ TEST(BouldersInSoil, momentum_is_that_of_gravity_alone) {
     for (const bool in_substeps : {true, false}) {
       const auto solver = make_mpm(bed(dim, in_substeps));
       const std::string up = dim == 2 ? "y" : "z";
-      const double mass = mass_of_ball(dim), soil = probe(*solver, "mass");
+      const double mass = mass_of_sphere(dim), soil = probe(*solver, "mass");
       const double start = sum_of_momentum(*solver, up, mass);
       EXPECT_NEAR(start, -mass, 1e-12 * mass);
       const double dt = 1e-3;
@@ -95,7 +95,7 @@ double energy(const Solver& solver, double mass) {
 TEST(BouldersInSoil, energy_is_not_gained) {
   for (const bool in_substeps : {true, false}) {
     const auto solver = make_mpm(bed(2, in_substeps));
-    const double mass = mass_of_ball(2), start = energy(*solver, mass);
+    const double mass = mass_of_sphere(2), start = energy(*solver, mass);
     double last = start;
     for (int k = 0; k < 12; ++k) {
       run_steps(*solver, 1e-3, 10, 10 * k + 1);
@@ -118,7 +118,7 @@ TEST(BouldersInSoil, a_stone_rests_on_soil) {
     json["boulders"][0]["velocity"] = {0, 0};
     json["boulders"][0]["centre"] = {0.5, 0.4 + radius};
     const auto solver = make_mpm(json);
-    const double weight = g * mass_of_ball(2), dt = 2e-3;
+    const double weight = g * mass_of_sphere(2), dt = 2e-3;
     run_steps(*solver, dt, 600);
     double force = 0, speed = 0;
     const int count = 500;
@@ -153,7 +153,7 @@ Json carried(bool in_substeps) {
 TEST(BouldersInSoil, a_gate_takes_the_momentum_of_both) {
   for (const bool in_substeps : {true, false}) {
     const auto solver = make_mpm(carried(in_substeps));
-    const double mass = mass_of_ball(2), dt = 5e-4;
+    const double mass = mass_of_sphere(2), dt = 5e-4;
     double before = sum_of_momentum(*solver, "x", mass);
     const double start = before;
     EXPECT_NEAR(start, 3 * (mass + probe(*solver, "mass")), 1e-9 * start);
@@ -177,7 +177,7 @@ TEST(BouldersInSoil, a_gate_takes_the_momentum_of_both) {
 TEST(BouldersInSoil, energy_and_momentum_of_boulders_are_accounted_for) {
   for (const bool in_substeps : {true, false}) {
     const auto solver = make_mpm(carried(in_substeps));
-    const double mass = mass_of_ball(2), dt = in_substeps ? 1e-3 : 5e-4;
+    const double mass = mass_of_sphere(2), dt = in_substeps ? 1e-3 : 5e-4;
     const double start = probe(*solver, "boulders_kinetic_energy");
     EXPECT_NEAR(start, probe(*solver, "stone.kinetic_energy"), 1e-9);
     for (int k = 1; k <= 100; ++k) {
@@ -264,7 +264,7 @@ TEST(BouldersInSoil, a_plate_gets_the_force_of_a_stone) {
   json["boulders"][0]["velocity"] = {0.5, -2};
   json["boulders"][0]["spin"] = {4};
   const auto solver = make_mpm(json);
-  const double mass = mass_of_ball(2), dt = 5e-4;
+  const double mass = mass_of_sphere(2), dt = 5e-4;
   std::vector<double> down(22, 0.0);
   double lost = 0;
   for (int n = 1; n <= 40; ++n) {

@@ -17,7 +17,7 @@ double rest_depth(const HardBody& body, double weight) {
 
 template <int dim>
 double speed_down(double friction, double* spin = nullptr) {
-  const HardBody body = hard_body(ball_shape<dim>(0.5, 2650), {.friction = friction});
+  const HardBody body = hard_body(sphere_shape<dim>(0.5, 2650), {.friction = friction});
   Scene scene(dim, {body}, on_slope(dim, 30), {ground(dim)});
   scene.now.states[0].x[0] = -5;
   scene.now.states[0].x[dim - 1] = 0.5 - rest_depth(body, g * std::cos(std::numbers::pi / 6));
@@ -38,13 +38,13 @@ TEST(HardContact, a_disc_slides_with_too_little_friction) {
 }
 
 TEST(HardContact, a_sliding_ball_rolls_at_its_known_speed) {
-  const HardBody disc = hard_body(ball_shape<2>(0.5, 2650), {.friction = 0.4});
+  const HardBody disc = hard_body(sphere_shape<2>(0.5, 2650), {.friction = 0.4});
   Scene flat(2, {disc}, on_slope(2, 0), {ground(2)});
   flat.now.states[0].x = {-5, 0.5 - rest_depth(disc, g), 0};
   flat.now.states[0].v[0] = 3;
   flat.run(1);
   EXPECT_NEAR(flat.now.states[0].v[0], 2, 2e-3);
-  const HardBody sphere = hard_body(ball_shape<3>(0.5, 2650), {.friction = 0.4});
+  const HardBody sphere = hard_body(sphere_shape<3>(0.5, 2650), {.friction = 0.4});
   Scene space(3, {sphere}, on_slope(3, 0), {ground(3)});
   space.now.states[0].x = {-5, 0.3, 0.5 - rest_depth(sphere, g)};
   space.now.states[0].v[0] = 3;
@@ -54,7 +54,7 @@ TEST(HardContact, a_sliding_ball_rolls_at_its_known_speed) {
 
 TEST(HardContact, a_drop_comes_back_with_its_restitution) {
   for (const double e : {0.2, 0.5, 1.0}) {
-    const HardBody body = hard_body(ball_shape<3>(0.5, 2650), {.restitution = e});
+    const HardBody body = hard_body(sphere_shape<3>(0.5, 2650), {.restitution = e});
     Scene scene(3, {body}, Vector<3>::Zero(), {ground(3)});
     scene.now.states[0].x = {0.1, 0.2, 0.52};
     scene.now.states[0].v[2] = -5;
@@ -65,8 +65,8 @@ TEST(HardContact, a_drop_comes_back_with_its_restitution) {
 
 TEST(HardContact, a_pair_of_balls_keeps_momentum_and_its_energy_if_elastic) {
   std::vector<HardBody> bodies = {
-      hard_body(ball_shape<3>(0.5, 2650), {.friction = 0, .restitution = 1}),
-      hard_body(ball_shape<3>(0.3, 2000), {.friction = 0, .restitution = 1})};
+      hard_body(sphere_shape<3>(0.5, 2650), {.friction = 0, .restitution = 1}),
+      hard_body(sphere_shape<3>(0.3, 2000), {.friction = 0, .restitution = 1})};
   Scene scene(3, bodies, Vector<3>::Zero(), {});
   scene.now.states[1].x = {0.9, 0.3, 0.1};
   scene.now.states[1].v = {-6, 0, 0};
@@ -120,7 +120,7 @@ TEST(HardContact, a_pyramid_stands_by_friction_alone) {
 }
 
 TEST(HardContact, rolling_resistance_holds_a_ball_on_a_slope) {
-  HardBody body = hard_body(ball_shape<2>(0.5, 2650), {.friction = 0.8, .rolling = 0.2});
+  HardBody body = hard_body(sphere_shape<2>(0.5, 2650), {.friction = 0.8, .rolling = 0.2});
   const auto speed_at = [&](double degrees) {
     Scene scene(2, {body}, on_slope(2, degrees), {ground(2)});
     scene.now.states[0].x = {-5, 0.5, 0};
@@ -149,7 +149,7 @@ TEST(HardContact, a_polygon_on_fine_ground_does_not_gain) {
 }
 
 TEST(HardContact, a_held_body_does_not_drive_others_by_its_spin) {
-  std::vector<HardBody> discs(2, hard_body(ball_shape<2>(0.5, 2650), {.friction = 0.5}));
+  std::vector<HardBody> discs(2, hard_body(sphere_shape<2>(0.5, 2650), {.friction = 0.5}));
   Scene scene(2, discs, on_slope(2, 0), {});
   scene.step.held = {1, 0};
   scene.now.states[0].W[2] = 20;
@@ -164,7 +164,7 @@ TEST(HardContact, a_held_body_does_not_drive_others_by_its_spin) {
 
 // A gap of rounding size is no reason for short substeps where nothing moves freely.
 TEST(HardContact, a_held_body_just_over_the_ground_needs_no_substeps) {
-  std::vector<HardBody> discs(2, hard_body(ball_shape<2>(0.5, 2650), {}));
+  std::vector<HardBody> discs(2, hard_body(sphere_shape<2>(0.5, 2650), {}));
   Scene scene(2, discs, on_slope(2, 0), {ground(2)});
   scene.step.held = {1, 0};
   scene.now.states[0].x = {-3, 0.5 + 1e-12, 0};
@@ -193,7 +193,7 @@ TEST(HardContact, motion_far_from_the_origin_is_the_same) {
 }
 
 TEST(HardContact, the_deepest_overlap_is_named) {
-  std::vector<HardBody> bodies(2, hard_body(ball_shape<2>(0.5, 2650), {}));
+  std::vector<HardBody> bodies(2, hard_body(sphere_shape<2>(0.5, 2650), {}));
   const HardContact contact(2, bodies, Vector<3>::Zero());
   std::vector<BodyState> states(2);
   states[0].x = {0, 0.51, 0};

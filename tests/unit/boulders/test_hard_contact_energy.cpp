@@ -31,7 +31,7 @@ BoulderShape<dim> some_shape(Random& random) {
   Vector<dim> size;
   for (double& s : size) s = random.in(0.4, 1.2);
   const int kind = random.below(dim == 2 ? 4 : 3);
-  if (kind == 0) return ball_shape<dim>(0.5 * size[0], 2650);
+  if (kind == 0) return sphere_shape<dim>(0.5 * size[0], 2650);
   if (kind == 1) return box_shape<dim>(size, 2650);
   if (kind == 2) return ellipsoid_shape<dim>(Vector<dim>(0.5 * size), 2650);
   ContactSurface<dim> polygon;
@@ -58,7 +58,7 @@ void run_some(int number, Seen& seen) {
   for (int k = 0; k < 1 + random.below(2); ++k) {
     bodies.push_back(
         hard_body(some_shape<dim>(random), {.friction = friction, .restitution = restitution}));
-    if (bodies.back().ball > 0) bodies.back().law.rolling = random.in(0, 0.2);
+    if (bodies.back().sphere > 0) bodies.back().law.rolling = random.in(0, 0.2);
   }
   const double size = std::pow(10, random.in(dim == 2 ? -1.7 : -0.4, 0.7));
   const double height = random.below(2) == 0 ? 0 : random.in(0, 0.2) * size;

@@ -34,11 +34,11 @@ void expect_same(const BoulderShape<dim>& shape, std::initializer_list<int> piec
 }
 
 TEST(HardContactFacets, a_disc_moves_the_same_on_fine_ground) {
-  expect_same(ball_shape<2>(0.5, 2650), {16, 80, 800}, 2);
+  expect_same(sphere_shape<2>(0.5, 2650), {16, 80, 800}, 2);
 }
 
 TEST(HardContactFacets, a_sphere_moves_the_same_on_fine_ground) {
-  expect_same(ball_shape<3>(0.5, 2650), {8, 60}, 1.5);
+  expect_same(sphere_shape<3>(0.5, 2650), {8, 60}, 1.5);
 }
 
 TEST(HardContactFacets, a_polygon_moves_the_same_on_fine_ground) {

@@ -66,11 +66,11 @@ void expect_room(const std::vector<mpm::BoulderSettings<dim>>& boulders) {
 }
 
 TEST(RandomBoulders, have_room_and_depend_on_the_seed_alone) {
-  for (const std::string shape : {"ball", "box", "ellipsoid"}) {
+  for (const std::string shape : {"sphere", "box", "ellipsoid"}) {
     Json rocks = random_rocks(3);
     rocks["shape"] = shape;
-    rocks["count"] = shape == "ball" ? 20 : 8;
-    if (shape != "ball") {
+    rocks["count"] = shape == "sphere" ? 20 : 8;
+    if (shape != "sphere") {
       rocks["sizes"] = {{"uniform", {0.7, 0.8}}};
       rocks["axis_ratios"] = {{0.8, 0.9}, {0.9, 1}};
     }

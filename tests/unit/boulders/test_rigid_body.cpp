@@ -44,9 +44,9 @@ TEST(RigidBody, energy_changes_by_the_work_of_an_eccentric_force) {
     }
     arm = 0.5 * (state.q * X + end.q * X);
     const BodyMove move = move_of(state, end, 0.01);
-    const Vector<3> way = move.shift + move.turn.cross(arm);
-    EXPECT_LT((way - (end.at(X) - state.at(X))).norm(), 1e-13);
-    EXPECT_NEAR(kinetic_energy(body, end) - kinetic_energy(body, state), force.dot(way), 1e-12);
+    const Vector<3> path = move.shift + move.turn.cross(arm);
+    EXPECT_LT((path - (end.at(X) - state.at(X))).norm(), 1e-13);
+    EXPECT_NEAR(kinetic_energy(body, end) - kinetic_energy(body, state), force.dot(path), 1e-12);
     const Vector<3> gained = angular_momentum(body, end) - angular_momentum(body, state);
     EXPECT_LT((gained - 0.01 * arm.cross(force)).norm(), 1e-12);
     state = end;

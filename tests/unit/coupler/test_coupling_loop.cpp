@@ -132,7 +132,7 @@ Eigen::VectorXd monolithic_history(double dt, int steps) {
   return history;
 }
 
-struct Way {
+struct Setting {
   Scheme scheme = Scheme::serial_implicit;
   std::string method;
   int predictor = 0;
@@ -140,15 +140,15 @@ struct Way {
 
 /// Every method in both implicit schemes, with every predictor. But Aitken's single factor finds no
 /// fixed point of [x; f], whose iteration has complex eigenvalues.
-std::vector<Way> all_ways() {
-  std::vector<Way> ways;
+std::vector<Setting> all_ways() {
+  std::vector<Setting> paths;
   for (const Scheme scheme : {Scheme::serial_implicit, Scheme::parallel_implicit}) {
     for (const std::string& method : acceleration_methods()) {
       if (scheme == Scheme::parallel_implicit && method == "aitken") continue;
-      for (const int predictor : {0, 1, 2}) ways.push_back({scheme, method, predictor});
+      for (const int predictor : {0, 1, 2}) paths.push_back({scheme, method, predictor});
     }
   }
-  return ways;
+  return paths;
 }
 
 TEST(CouplingLoop, equals_the_monolithic_solution_for_every_method_and_predictor) {

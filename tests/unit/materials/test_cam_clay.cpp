@@ -154,8 +154,8 @@ TEST(CamClay, elasticity_conserves_energy) {
   soil.strain(Eigen::Vector3d::Zero());
   const double energy = soil.out.energy;
   double work = 0;
-  for (const auto& way : {squeeze, shear, Eigen::Vector3d(-squeeze), Eigen::Vector3d(-shear)}) {
-    const double before = soil.out.energy, done = work_along(way, 400);
+  for (const auto& path : {squeeze, shear, Eigen::Vector3d(-squeeze), Eigen::Vector3d(-shear)}) {
+    const double before = soil.out.energy, done = work_along(path, 400);
     EXPECT_NEAR(soil.out.energy - before, done, 1e-4 * std::abs(done) + 1e-3);
     work += done;
   }

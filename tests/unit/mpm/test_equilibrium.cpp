@@ -420,7 +420,7 @@ void expect_elastic_brace(CellType type, int points_per_cell, mpm::Basis basis) 
   elastic.with_inertia = false;
   loose.start();
   elastic.start();
-  EXPECT_FALSE(loose.equilibrium->brace(0));
+  EXPECT_FALSE(loose.equilibrium->regularise(0));
   Eigen::VectorXd du(static_cast<Eigen::Index>(loose.soil.num_dofs()));
   for (Eigen::Index k = 0; k < du.size(); ++k) {
     du[k] = 0.01 * loose.soil.node(static_cast<std::int32_t>(k / dim))[k % dim];
@@ -434,15 +434,15 @@ void expect_elastic_brace(CellType type, int points_per_cell, mpm::Basis basis) 
     return product;
   };
   const Eigen::VectorXd plain = times_K(loose), stiffness = times_K(elastic);
-  EXPECT_TRUE(loose.equilibrium->brace(share));
+  EXPECT_TRUE(loose.equilibrium->regularise(share));
   const Eigen::VectorXd braced = times_K(loose);
   EXPECT_LT((braced - plain - share * stiffness).norm(), 1e-12 * stiffness.norm());
-  EXPECT_TRUE(loose.equilibrium->brace(0));
+  EXPECT_TRUE(loose.equilibrium->regularise(0));
   EXPECT_LT((times_K(loose) - plain).norm(), 1e-14 * plain.norm());
-  EXPECT_FALSE(elastic.equilibrium->brace(share));
+  EXPECT_FALSE(elastic.equilibrium->regularise(share));
 }
 
-TEST(Brace, is_a_share_of_the_elastic_stiffness_where_soil_yields) {
+TEST(Regularisation, is_a_share_of_the_elastic_stiffness_where_soil_yields) {
   expect_elastic_brace<2>(CellType::tri3, 3, mpm::Basis::linear);
   expect_elastic_brace<2>(CellType::quad4, 4, mpm::Basis::linear);
   expect_elastic_brace<2>(CellType::quad4, 4, mpm::Basis::gimp);

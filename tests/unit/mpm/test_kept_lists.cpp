@@ -104,13 +104,13 @@ void check_lists(bool with_large) {
       ASSERT_LE(search.at_least(middle, half), nearest + rounding);
       ASSERT_LE(search.far_at_least(middle, half), nearest + rounding);
     }
-    double way = 0;
+    double path = 0;
     for (auto& x : vertices) {
       const Vector<dim> move = (step % 3 == 0 ? 0.0 : 0.003) * random.vector<dim>();
       x += move;
-      way = std::max(way, move.norm());
+      path = std::max(path, move.norm());
     }
-    search.add_motion(0, way);
+    search.add_motion(0, path);
   }
   EXPECT_GT(kept, 500);
 }
@@ -224,7 +224,7 @@ struct Ground {
 template <int dim>
 struct Going {
   Vector<dim> x, y;
-  std::vector<mpm::KnownTouch<dim>> known;
+  std::vector<mpm::KnownContact<dim>> known;
   std::vector<mpm::FacingSimplex> facing;
   bool in_front = true;  // of the nearest simplex that it touched
 
@@ -276,11 +276,11 @@ void check_features(double roughness, double moved) {
     if (!point.in_front) continue;
     const auto all = ground.faced(point.facing);
     const mpm::FeatureReach reach{0.1 + 0.02 * random(), 0.06};
-    const double way = (point.y - point.x).norm();
+    const double path = (point.y - point.x).norm();
     // Listed around a place that the point was at before.
     const Vector<dim> place = point.y + 0.02 * random() * random.vector<dim>();
     const double nearer = (point.y - place).norm() + ground.motion;
-    const double within = mpm::front_reach<dim>(all, reach, way) + nearer;
+    const double within = mpm::front_reach<dim>(all, reach, path) + nearer;
     std::vector<std::int32_t> near;
     for (std::int32_t s = 0; s < std::ssize(ground.simplices); ++s) {
       if (distance_to<dim>(ground.simplices, ground.start, s, place) <= within) near.push_back(s);
@@ -393,7 +393,7 @@ class Falling {
 
 /// How far plate and soil go in a step [m].
 template <int dim>
-struct Way {
+struct Path {
   double plate;
   Vector<dim> move;
 };
@@ -402,15 +402,15 @@ struct Way {
 // give the same forces.
 template <int dim>
 void check_order(Falling<dim>& scene, const State& state, const std::vector<double>& first,
-                 const Way<dim>& way) {
+                 const Path<dim>& path) {
   const auto other = scene.fresh();
   StateReader reader(state);
   other->visit_state(reader, "contact.");
   scene.begin(*other);
   for (const double share : {4.0, 9.0}) {
-    EXPECT_EQ(scene.forces(*other, way.plate, share * way.move),
-              scene.forces(scene.contact(), way.plate, share * way.move));
-    EXPECT_EQ(scene.forces(*other, way.plate, 0.5 * way.move), first);
+    EXPECT_EQ(scene.forces(*other, path.plate, share * path.move),
+              scene.forces(scene.contact(), path.plate, share * path.move));
+    EXPECT_EQ(scene.forces(*other, path.plate, 0.5 * path.move), first);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/step/surplus_ways.hpp"
+#include "mpm_solver/step/surplus_motions.hpp"
 
 #include <gtest/gtest.h>
 
@@ -49,12 +49,12 @@ TEST(FastestAbout, is_that_of_a_point_and_its_nodes) {
 }
 
 /// The grain lets itself and its neighbours move farther, not all points.
-TEST(SurplusWay, is_beyond_what_each_point_could_expect) {
+TEST(SurplusMotion, is_beyond_what_each_point_could_expect) {
   const SoilPatch<2> soil = with_fast_grain<2>(CellType::quad4);
-  const auto largest = [&](double way) {
+  const auto largest = [&](double path) {
     std::vector<double> du(soil.nodes.m.size() * 2, 0.0);
-    for (std::size_t k = 0; k < du.size(); k += 2) du[k] = way;
-    return mpm::SurplusWays<2>().largest({soil.points, soil.weights, soil.nodes, du, dt});
+    for (std::size_t k = 0; k < du.size(); k += 2) du[k] = path;
+    return mpm::SurplusMotions<2>().largest({soil.points, soil.weights, soil.nodes, du, dt});
   };
   EXPECT_NEAR(largest(2 * dt), 0, 1e-12);
   EXPECT_NEAR(largest(2 * dt + 0.3), 0.3, 1e-12);
@@ -62,14 +62,14 @@ TEST(SurplusWay, is_beyond_what_each_point_could_expect) {
 }
 
 /// Whichever nodes move otherwise than in the solution before.
-TEST(SurplusWay, follows_the_nodes_that_move_otherwise) {
+TEST(SurplusMotion, follows_the_nodes_that_move_otherwise) {
   const SoilPatch<2> soil = with_fast_grain<2>(CellType::quad4);
   std::vector<double> du(soil.nodes.m.size() * 2, 0.1 * dt);
-  mpm::SurplusWays<2> ways;
+  mpm::SurplusMotions<2> paths;
   for (std::size_t k = 0; k <= du.size(); ++k) {
     const double fresh =
-        mpm::SurplusWays<2>().largest({soil.points, soil.weights, soil.nodes, du, dt});
-    EXPECT_EQ(ways.largest({soil.points, soil.weights, soil.nodes, du, dt}), fresh) << k;
+        mpm::SurplusMotions<2>().largest({soil.points, soil.weights, soil.nodes, du, dt});
+    EXPECT_EQ(paths.largest({soil.points, soil.weights, soil.nodes, du, dt}), fresh) << k;
     if (k < du.size()) du[k] = (k % 3 == 0 ? 9 : -1) * dt;
   }
 }

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "mpm_solver/contact/way_at_rest.hpp"
-#include "mpm_solver/contact/way_out.hpp"
+#include "mpm_solver/contact/penetration_at_rest.hpp"
+#include "mpm_solver/contact/shortest_exit.hpp"
 #include "solver_program/ranked_state.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
@@ -63,7 +63,7 @@ std::vector<mpm::RestingPlace<2>> two_places(double angle, double first, double 
 }
 
 Vector<2> way_of(const std::vector<mpm::RestingPlace<2>>& places) {
-  return mpm::way_at_rest<2>(std::span<const mpm::RestingPlace<2>>(places));
+  return mpm::penetration_at_rest<2>(std::span<const mpm::RestingPlace<2>>(places));
 }
 
 TEST(RestOnFacets, both_faces_of_a_corner_get_their_stress) {
@@ -85,7 +85,7 @@ TEST(RestOnFacets, depths_give_each_face_its_traction) {
     const std::vector<Vector<2>> normals = {places[0].normal, places[1].normal};
     const std::vector<double> deltas = {normals[0].dot(u), normals[1].dot(u)};
     if (deltas[1] <= 0) continue;
-    const auto out = mpm::way_out<2>(normals, deltas);
+    const auto out = mpm::shortest_exit<2>(normals, deltas);
     ASSERT_EQ(out.size, 2) << angle;
     for (int k = 0; k < 2; ++k) {
       EXPECT_NEAR(out.depths[k] * out.length, places[k].square, 1e-15) << angle;
@@ -98,7 +98,7 @@ TEST(RestOnFacets, faces_that_are_nearly_parallel_are_one) {
   places[0].gap = 1e-3;
   places[1].gap = -1e-4;
   EXPECT_NEAR(way_of(places).norm(), 0.02, 1e-15);
-  EXPECT_EQ(mpm::way_at_rest<2>(std::span<const mpm::RestingPlace<2>>()).norm(), 0);
+  EXPECT_EQ(mpm::penetration_at_rest<2>(std::span<const mpm::RestingPlace<2>>()).norm(), 0);
 }
 
 TEST(RestOnFacets, ranks_together_and_alone) {

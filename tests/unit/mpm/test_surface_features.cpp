@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "mpm_solver/contact/facet_hash.hpp"
-#include "mpm_solver/contact/way_out.hpp"
+#include "mpm_solver/contact/shortest_exit.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
 namespace gabion::test {
@@ -50,17 +50,17 @@ std::vector<SurfaceFeature<dim>> features(const ContactSurface<dim>& surface, co
 }
 
 /// Shortest displacement of a sphere with the radius `reach` out of the planes that it is in.
-Vector<2> way_out_of(const ContactSurface<2>& surface, const Vector<2>& x, const Vector<2>& y,
-                     double reach) {
+Vector<2> shortest_exit_of(const ContactSurface<2>& surface, const Vector<2>& x, const Vector<2>& y,
+                           double reach) {
   std::vector<Vector<2>> normals;
   std::vector<double> depths;
   for (const auto& feature : features<2>(surface, x, y, reach)) {
     normals.push_back(feature.normal);
     depths.push_back(reach - feature.distance);
   }
-  const auto way = mpm::way_out<2>(normals, depths);
+  const auto path = mpm::shortest_exit<2>(normals, depths);
   Vector<2> u = Vector<2>::Zero();
-  for (int k = 0; k < way.size; ++k) u += way.depths[k] * normals[way.planes[k]];
+  for (int k = 0; k < path.size; ++k) u += path.depths[k] * normals[path.planes[k]];
   return u;
 }
 
@@ -287,9 +287,10 @@ void expect_smooth_way(double bend, double height) {
   double largest = 0;
   for (int k = 0; k <= places; ++k) {
     const double x = stretch * k / places - stretch / 2;
-    const Vector<2> way = way_out_of(wall, {x, 0.5}, {x, bend * std::abs(x) + height}, radius);
-    if (k > 0) largest = std::max(largest, (way - before).norm());
-    before = way;
+    const Vector<2> path =
+        shortest_exit_of(wall, {x, 0.5}, {x, bend * std::abs(x) + height}, radius);
+    if (k > 0) largest = std::max(largest, (path - before).norm());
+    before = path;
   }
   EXPECT_LT(largest, 3 * stretch / places) << bend << ' ' << height;
 }

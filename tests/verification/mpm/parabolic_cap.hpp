@@ -56,11 +56,11 @@ struct ParabolicCap {
   double acceleration() const { return g * (std::sin(zeta) - std::cos(zeta) * mu()); }
 
   double stretch(double k, double t) const {  ///< s
-    const double way = 2 * std::sqrt(k * g * std::cos(zeta) * H) / L * t;
+    const double path = 2 * std::sqrt(k * g * std::cos(zeta) * H) / L * t;
     double low = 1, high = 100;
     for (int n = 0; n < 60; ++n) {
       const double s = 0.5 * (low + high), root = std::sqrt(s - 1);
-      (std::sqrt(s) * root + std::log(std::sqrt(s) + root) < way ? low : high) = s;
+      (std::sqrt(s) * root + std::log(std::sqrt(s) + root) < path ? low : high) = s;
     }
     return low;
   }

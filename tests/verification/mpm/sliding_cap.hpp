@@ -157,11 +157,11 @@ inline void check_cap_spreads(const ParabolicCap& cap, const std::string& what,
 inline void check_cap_shape(const ParabolicCap& cap, const std::string& what, const CapState& last,
                             const mpm::MaterialPoints<2>& points) {
   const double s = cap.stretch(cap.driving(), last.t), half = cap.L * s;
-  const double way = 0.5 * cap.acceleration() * last.t * last.t;
+  const double path = 0.5 * cap.acceleration() * last.t * last.t;
   for (const bool front : {false, true}) {
     verify({.id = "V22",
             .what = what + (front ? "front" : "rear"),
-            .exact = front ? way + half : way - half,
+            .exact = front ? path + half : path - half,
             .computed = front ? last.front : last.rear,
             .measure = Measure::absolute_error,
             .bound = 0.35 / cap.rows,  // the ends are thinner than a cell

@@ -101,7 +101,7 @@ void rotate() {
   const Vector<dim> centre = Vector<dim>::Constant(0.5);
   const Matrix<dim> F0 = stretch_and_shear<dim>();
   const Matrix<dim> turn = rotation<dim>(2 * M_PI / steps) - Matrix<dim>::Identity();
-  double drift = 0, way = 0;
+  double drift = 0, path = 0;
   for (const Kind& kind : kinds<dim>()) {
     for (const std::string law : {"neo_hookean", "hencky_elastic"}) {
       DrivenBlock<dim> block(kind.type, 7, elastic_law<dim>(law, lame), Vector<dim>::Constant(0.35),
@@ -114,13 +114,13 @@ void rotate() {
         drift = std::max(drift, stress_error<dim>(block, exact_stress<dim>(law, lame, R * F0)));
       }
       for (std::size_t p = 0; p < before.size(); ++p) {
-        way = std::max(way, (block.soil.points.x[p] - before[p]).norm());
+        path = std::max(path, (block.soil.points.x[p] - before[p]).norm());
       }
     }
   }
   const std::string where = dim == 2 ? ", MPM tri3, quad4" : ", MPM tet4, hex8";
   error_row("rotation by 360 deg, 72 steps: stress drift by E" + where, drift, 1e-10);
-  error_row("rotation by 360 deg, 72 steps: position [m]" + where, way, 1e-10);
+  error_row("rotation by 360 deg, 72 steps: position [m]" + where, path, 1e-10);
 }
 
 TEST(V1_AffineMotion, rotation_2d) {

@@ -107,7 +107,7 @@ TEST(V20_BarsInSeries, force_is_that_of_three_springs) {
 /// A' is the area that the points stand for, A that of the face.
 namespace facets {
 
-constexpr double h = 0.25, c = 10, way = 0.01, pull = 100;  // pull is q [Pa]
+constexpr double h = 0.25, c = 10, path = 0.01, pull = 100;  // pull is q [Pa]
 
 Json soft_bar() {
   Json json = soil("quad4");
@@ -143,7 +143,7 @@ double force() {
   while (high - low > 1e-14 * high) {
     const double p = 0.5 * (low + high);
     const double sum = L1 * (1 - stretch(p, E1)) + L2 * (1 - stretch(p - pull, E2)) + depth(p);
-    (sum > way ? high : low) = p;
+    (sum > path ? high : low) = p;
   }
   return low * A;
 }
@@ -153,8 +153,8 @@ double force() {
 TEST(V20_BarsInSeries, force_of_bars_that_touch_by_facets) {
   const double F = facets::force();
   for (const int steps : {1, 4}) {
-    const Pressed pressed =
-        press(facets::soft_bar(), facets::stiff_bar(-facets::way / steps), steps, {facets::way, F});
+    const Pressed pressed = press(facets::soft_bar(), facets::stiff_bar(-facets::path / steps),
+                                  steps, {facets::path, F});
     verify({.id = "V20",
             .what = fmt::format("force on bars in series, MPM quad4 by facets and FEM, {} step{}",
                                 steps, steps == 1 ? "" : "s"),
@@ -167,8 +167,8 @@ TEST(V20_BarsInSeries, force_of_bars_that_touch_by_facets) {
                                        "undeformed cell, the square of the strain of 0.5 %"});
     EXPECT_NEAR(pressed.force[1], 0, 1e-9 * F);
     EXPECT_NEAR(pressed.displacement,
-                -facets::way + L2 * (1 - facets::stretch(F / A - facets::pull, E2)),
-                2e-5 * facets::way);
+                -facets::path + L2 * (1 - facets::stretch(F / A - facets::pull, E2)),
+                2e-5 * facets::path);
   }
 }
 

@@ -40,8 +40,8 @@ void bounded(const std::string& id, const std::string& what, double computed, do
 }
 
 template <int dim>
-Scene ball_on_ground(double degrees, const HardLaw& law) {
-  const HardBody body = hard_body(ball_shape<dim>(0.5, 2650), law);
+Scene sphere_on_ground(double degrees, const HardLaw& law) {
+  const HardBody body = hard_body(sphere_shape<dim>(0.5, 2650), law);
   Scene scene(dim, {body}, on_slope(dim, degrees), {ground(dim)});
   scene.now.states[0].x[0] = -5;
   scene.now.states[0].x[dim - 1] = 0.5 - rest_depth(body, g * std::cos(degrees * pi / 180));
@@ -52,16 +52,16 @@ Scene ball_on_ground(double degrees, const HardLaw& law) {
 /// friction than tan / (1 + m R^2 / J) it slides: g (sin - mu cos), R dW/dt = mu g cos m R^2 / J.
 TEST(VB4_Rolling, balls_on_a_slope) {
   for (const double friction : {0.21, 0.5}) {
-    Scene disc = ball_on_ground<2>(30, {.friction = friction});
+    Scene disc = sphere_on_ground<2>(30, {.friction = friction});
     disc.run(1);
     row("VB4", fmt::format("disc on 30 deg, friction {}, rolls: speed after 1 s", friction),
         2. / 3 * g * 0.5, disc.now.states[0].v[0], 1e-4, "m/s");
   }
-  Scene sphere = ball_on_ground<3>(30, {.friction = 0.5});
+  Scene sphere = sphere_on_ground<3>(30, {.friction = 0.5});
   sphere.run(1);
   row("VB4", "sphere on 30 deg, rolls: speed after 1 s", 5. / 7 * g * 0.5,
       sphere.now.states[0].v[0], 1e-4, "m/s");
-  Scene sliding = ball_on_ground<2>(30, {.friction = 0.1});
+  Scene sliding = sphere_on_ground<2>(30, {.friction = 0.1});
   sliding.run(1);
   const BodyState& end = sliding.now.states[0];
   row("VB4", "disc on 30 deg, friction 0.1, slides: speed after 1 s",
@@ -72,12 +72,12 @@ TEST(VB4_Rolling, balls_on_a_slope) {
 
 /// What slides on level ground ends in rolling, with v_0 / (1 + J / (m R^2)).
 TEST(VB5_SlidingStart, balls_on_level_ground) {
-  Scene disc = ball_on_ground<2>(0, {.friction = 0.4});
+  Scene disc = sphere_on_ground<2>(0, {.friction = 0.4});
   disc.now.states[0].v[0] = 3;
   disc.run(1);
   row("VB5", "disc of 3 m/s, friction 0.4: speed when it rolls", 2, disc.now.states[0].v[0], 5e-4,
       "m/s");
-  Scene sphere = ball_on_ground<3>(0, {.friction = 0.4});
+  Scene sphere = sphere_on_ground<3>(0, {.friction = 0.4});
   sphere.now.states[0].v[0] = 3;
   sphere.run(1);
   row("VB5", "sphere of 3 m/s, friction 0.4: speed when it rolls", 15. / 7,
@@ -160,7 +160,7 @@ TEST(VB11_Impact, peak_and_impulse_of_a_sphere_at_a_wall) {
   for (const double speed : {1.0, 4.0, 16.0}) {
     for (const double restitution : {1.0, 0.5}) {
       const HardBody body =
-          hard_body(ball_shape<3>(0.5, 2650), {.friction = 0, .restitution = restitution});
+          hard_body(sphere_shape<3>(0.5, 2650), {.friction = 0, .restitution = restitution});
       Scene scene(3, {body}, Vector<3>::Zero(), {ground(3)});
       scene.now.states[0].x = {0, 0, 0.5};
       scene.now.states[0].v = {0, 0, -speed};

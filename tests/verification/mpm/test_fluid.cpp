@@ -60,11 +60,11 @@ double largest_way(const Tank& tank) {
   const auto solver = mpm_solver<2>(tank_scene(tank));
   const auto start = solver->points().x;
   run_steps(*solver, 2e-3, 200);
-  double way = 0;
+  double path = 0;
   for (std::size_t p = 0; p < start.size(); ++p) {
-    way = std::max(way, (solver->points().x[p] - start[p]).norm());
+    path = std::max(path, (solver->points().x[p] - start[p]).norm());
   }
-  return way / tank.cell;
+  return path / tank.cell;
 }
 
 TEST(Fluid, stays_at_rest_under_its_weight) {
@@ -255,7 +255,7 @@ TEST(Fluid, breaks_out_as_shallow_water) {
   const int steps = static_cast<int>(std::lround(time / dt));
   run_steps(*solver, dt, steps);
   const auto& points = solver->points();
-  const double way = c * steps * dt, around = 0.15 * way;
+  const double path = c * steps * dt, around = 0.15 * path;
   double passed = 0, at_gate = 0, front = 0;
   for (std::size_t p = 0; p < points.x.size(); ++p) {
     const double x = points.x[p][0] - length, volume = points.V0[p] * points.J[p];
@@ -267,7 +267,7 @@ TEST(Fluid, breaks_out_as_shallow_water) {
   const std::string limitation = "water that is not shallow at the start";
   verify({.id = "fluid",
           .what = what + "volume past the gate",
-          .exact = 8. / 27 * h * way,
+          .exact = 8. / 27 * h * path,
           .computed = passed,
           .bound = 0.03,
           .unit = "m^2",
@@ -281,7 +281,7 @@ TEST(Fluid, breaks_out_as_shallow_water) {
           .limitation = limitation});
   verify({.id = "fluid",
           .what = what + "front",
-          .exact = 2 * way,
+          .exact = 2 * path,
           .computed = front,
           .bound = 0.1,
           .unit = "m",

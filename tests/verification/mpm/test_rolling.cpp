@@ -89,7 +89,7 @@ Motion<dim> run(mpm::MpmSettings<dim> settings, const Roll& roll, const Vector<d
 
 /// Bounds of a roll; wider than what is asked, 1 % and for the sphere 2 %: a limit.
 struct Bounds {
-  double way, spin;
+  double path, spin;
 };
 
 /// Parts of the moment of friction 0.2 that a disc of 10, 20 cells a radius loses, 3 points a cell,
@@ -121,9 +121,9 @@ void check(const Roll& roll, const std::string& what, const Motion<dim>& motion,
           .what = name + "path",
           .exact = a * (0.15 * ramp * ramp + 0.5 * ramp * after + 0.5 * after * after),
           .computed = motion.x.norm(),
-          .bound = bounds.way,
+          .bound = bounds.path,
           .unit = "m",
-          .limitation = bounds.way > asked ? cause : ""});
+          .limitation = bounds.path > asked ? cause : ""});
   if (roll.mu == 0) return;
   verify({.id = "V10",
           .what = name + "speed of the rim",
@@ -202,7 +202,7 @@ TEST(V10_Rolling, disc_without_friction) {
 }
 
 /// A box of cells, pulled into a sphere.
-Mesh<3> ball(const Vector<3>& centre, int cells) {
+Mesh<3> sphere(const Vector<3>& centre, int cells) {
   Mesh<3> mesh = box_mesh<3>({-1, -1, -1}, {1, 1, 1}, {cells, cells, cells}, CellType::hex8);
   for (auto& X : mesh.nodes) {
     Vector<3> x;
@@ -215,7 +215,7 @@ Mesh<3> ball(const Vector<3>& centre, int cells) {
   return mesh;
 }
 
-Motion<3> roll_ball(const Roll& roll) {
+Motion<3> roll_sphere(const Roll& roll) {
   const Vector<3> gravity(g * std::sin(roll.slope), 0, -g * std::cos(roll.slope));
   const Json surface = {{"mesh", box({-1, -1, -0.5}, {2, 1, 0}, {15, 10, 1}, "hex8")},
                         {"groups", {"top"}}};
@@ -224,24 +224,24 @@ Motion<3> roll_ball(const Roll& roll) {
   const Json grid = box({-b, -b, -b}, {3 * b, b, 3 * b}, {4 * half, 2 * half, 4 * half}, "hex8");
   auto settings = mpm_settings<3>(scene<3>(roll, grid, gravity, surface));
   const Vector<3> centre(0, 0, R);
-  settings.layouts[0].mesh = ball(centre, static_cast<int>(std::lround(2 * R / roll.h)));
+  settings.layouts[0].mesh = sphere(centre, static_cast<int>(std::lround(2 * R / roll.h)));
   return run<3>(std::move(settings), roll, centre);
 }
 
-TEST(V10_Rolling, ball) {
+TEST(V10_Rolling, sphere) {
   Roll roll{.slope = M_PI / 4, .mu = 1, .h = 0.125, .dt = 4e-3, .end = 0.6, .points = 8};
-  check<3>(roll, "FLIP", roll_ball(roll), {0.038, 0.031});
+  check<3>(roll, "FLIP", roll_sphere(roll), {0.038, 0.031});
   roll.tpic = true;
   // 0.048 with `resting_factor` 0: the corners on which the sphere stands while gravity grows are
   // stiff.
-  check<3>(roll, "TPIC", roll_ball(roll), {0.02, 0.058});
+  check<3>(roll, "TPIC", roll_sphere(roll), {0.02, 0.058});
   roll.mu = 0.1;
   roll.tpic = false;
-  check<3>(roll, "FLIP", roll_ball(roll), {0.02, 0.27});
+  check<3>(roll, "FLIP", roll_sphere(roll), {0.02, 0.27});
   roll.mu = 1;
   roll.h = 0.0625;
   roll.dt = 2e-3;
-  check<3>(roll, "FLIP", roll_ball(roll), {0.02, 0.05});
+  check<3>(roll, "FLIP", roll_sphere(roll), {0.02, 0.05});
 }
 
 }  // namespace

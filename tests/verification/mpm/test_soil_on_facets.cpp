@@ -21,7 +21,7 @@ Json sand(double E) {
 }
 
 /// Method by which V13 is solved.
-struct Way {
+struct Setting {
   std::string name;
   std::string basis;
   std::string analysis;
@@ -31,18 +31,18 @@ struct Way {
 
 /// V13: soil of the height H = 1 on a smooth floor, between a smooth wall of the grid at x = 0 and
 /// one of facets at x = W, which moves by 0.005 H: F = K rho g H^2 / 2.
-Json between_walls(const Way& way, double W, double direction) {
+Json between_walls(const Setting& setting, double W, double direction) {
   constexpr int cells = 10;
   const double h = 1.0 / cells;
   Json json = {{"dimension", 2},
                {"grid", box({0, 0}, {1 + 2 * h, 1 + h}, {cells + 2, cells + 1}, "quad4")},
-               {"basis", way.basis},
-               {"analysis", way.analysis},
-               {"locking", {{"method", way.locking}}},
+               {"basis", setting.basis},
+               {"analysis", setting.analysis},
+               {"locking", {{"method", setting.locking}}},
                {"gravity", {0, -g}},
                {"walls", {wall("bottom", "slip"), wall("left", "slip")}},
                {"bodies",
-                {body("soil", box({0, 0}, {W, 1}, {cells, cells}, "quad4"), way.points_per_cell,
+                {body("soil", box({0, 0}, {W, 1}, {cells, cells}, "quad4"), setting.points_per_cell,
                       sand(2e7))}},
                {"rigid_walls",
                 {{{"name", "wall"},
@@ -50,7 +50,8 @@ Json between_walls(const Way& way, double W, double direction) {
                   {"mode", "slip"},
                   {"motion", {{"velocity", {direction * 0.005, 0}}}}}}}};
   json["bodies"][0]["initial_stress"] = {{"k0", 0.7}, {"surface", 1}, {"max_displacement", 0.3}};
-  if (way.analysis == "dynamic") json["time_integration"] = {{"scheme", "bossak"}, {"alpha", -0.3}};
+  if (setting.analysis == "dynamic")
+    json["time_integration"] = {{"scheme", "bossak"}, {"alpha", -0.3}};
   return json;
 }
 
@@ -61,15 +62,16 @@ double earth_pressure(const Json& json) {
   return probe(*solver, "wall.fx") / (0.5 * density * g);
 }
 
-void check_rankine(const Way& way, double in_cell) {
+void check_rankine(const Setting& setting, double in_cell) {
   for (const bool active : {true, false}) {
     const double sine = std::sin(phi * M_PI / 180);
-    verify({.id = "V13",
-            .what = fmt::format("{} pressure on a smooth wall by facets, at {} of a cell, {}: K",
-                                active ? "active" : "passive", in_cell, way.name),
-            .exact = active ? (1 - sine) / (1 + sine) : (1 + sine) / (1 - sine),
-            .computed = earth_pressure(between_walls(way, 1 + 0.1 * in_cell, active ? 1.0 : -1.0)),
-            .bound = 0.02});
+    verify(
+        {.id = "V13",
+         .what = fmt::format("{} pressure on a smooth wall by facets, at {} of a cell, {}: K",
+                             active ? "active" : "passive", in_cell, setting.name),
+         .exact = active ? (1 - sine) / (1 + sine) : (1 + sine) / (1 - sine),
+         .computed = earth_pressure(between_walls(setting, 1 + 0.1 * in_cell, active ? 1.0 : -1.0)),
+         .bound = 0.02});
   }
 }
 
@@ -82,23 +84,25 @@ TEST(V13_EarthPressure, rankine_by_facets_quasi_static) {
 }
 
 TEST(V13_EarthPressure, rankine_by_facets_gimp) {
-  const Way way{"gimp, slow dynamics, 4 points a cell", "gimp", "dynamic", "none", 4};
-  for (const double in_cell : {0.0, 0.5, 0.25}) check_rankine(way, in_cell);
+  const Setting setting{"gimp, slow dynamics, 4 points a cell", "gimp", "dynamic", "none", 4};
+  for (const double in_cell : {0.0, 0.5, 0.25}) check_rankine(setting, in_cell);
 }
 
 TEST(V13_EarthPressure, rankine_by_facets_gimp_and_fbar) {
-  const Way way{"gimp, F-bar, slow dynamics, 4 points a cell", "gimp", "dynamic", "fbar", 4};
-  for (const double in_cell : {0.0, 0.5, 0.25}) check_rankine(way, in_cell);
+  const Setting setting{"gimp, F-bar, slow dynamics, 4 points a cell", "gimp", "dynamic", "fbar",
+                        4};
+  for (const double in_cell : {0.0, 0.5, 0.25}) check_rankine(setting, in_cell);
 }
 
 TEST(V13_EarthPressure, rankine_by_facets_bspline) {
-  const Way way{"bspline, slow dynamics, 4 points a cell", "bspline", "dynamic", "none", 4};
-  for (const double in_cell : {0.0, 0.5, 0.25}) check_rankine(way, in_cell);
+  const Setting setting{"bspline, slow dynamics, 4 points a cell", "bspline", "dynamic", "none", 4};
+  for (const double in_cell : {0.0, 0.5, 0.25}) check_rankine(setting, in_cell);
 }
 
 TEST(V13_EarthPressure, rankine_by_facets_bspline_and_fbar) {
-  const Way way{"bspline, F-bar, slow dynamics, 4 points a cell", "bspline", "dynamic", "fbar", 4};
-  for (const double in_cell : {0.0, 0.5, 0.25}) check_rankine(way, in_cell);
+  const Setting setting{"bspline, F-bar, slow dynamics, 4 points a cell", "bspline", "dynamic",
+                        "fbar", 4};
+  for (const double in_cell : {0.0, 0.5, 0.25}) check_rankine(setting, in_cell);
 }
 
 /// Floor and wall of facets, as two surfaces or as one with an inside corner.

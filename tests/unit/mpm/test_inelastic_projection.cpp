@@ -6,7 +6,7 @@
 
 #include "mpm_solver/points/flat.hpp"
 #include "mpm_solver/points/point_totals.hpp"
-#include "mpm_solver/walls/wall_stop.hpp"
+#include "mpm_solver/walls/inelastic_projection.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
@@ -19,7 +19,7 @@ template <int dim>
 struct Stopped {
   SoilPatch<dim> soil;
   mpm::WallConditions<dim> walls;
-  mpm::WallStop<dim> stop;
+  mpm::InelasticProjection<dim> stop;
 
   Stopped(CellType type, mpm::Basis basis)
       : soil(type, 3, basis),
@@ -63,7 +63,7 @@ double through_walls(const Stopped<dim>& at, std::vector<Vector<dim>> v) {
   return largest;
 }
 
-TEST(WallStop, points_move_with_the_walls) {
+TEST(InelasticProjection, points_move_with_the_walls) {
   for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
     Stopped<dim> at(type, basis);
     const auto start = mpm::point_totals(comm(), at.soil.points);
@@ -90,7 +90,7 @@ TEST(WallStop, points_move_with_the_walls) {
 }
 
 /// Points that lag behind the nodes at a wall are not pushed.
-TEST(WallStop, a_wall_at_rest_gives_no_energy) {
+TEST(InelasticProjection, a_wall_at_rest_gives_no_energy) {
   for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
     for (const double lag : {0.0, 0.2, 0.5}) {
       Stopped<dim> at(type, basis);
@@ -110,7 +110,7 @@ TEST(WallStop, a_wall_at_rest_gives_no_energy) {
 }
 
 /// Soil that shears over a wall does not move through it, however often it is mapped.
-TEST(WallStop, shear_over_a_wall_goes_on) {
+TEST(InelasticProjection, shear_over_a_wall_goes_on) {
   for_each_cell_type([]<int dim>(CellType type) {
     SoilPatch<dim> soil(type);
     soil.fill(type == CellType::tri3 ? 3 : type == CellType::hex8 ? 8 : 4);
@@ -123,7 +123,7 @@ TEST(WallStop, shear_over_a_wall_goes_on) {
                                    {{.group = "bottom", .fixed = true, .where = "", .motion = {}}});
     walls.select(soil.nodes);
     const double energy = mpm::point_totals(comm(), soil.points).kinetic_energy;
-    mpm::WallStop<dim> stop;
+    mpm::InelasticProjection<dim> stop;
     stop.find(soil.points, soil.weights, walls, 0.1, soil.nodes);
     // Energy is lost in the first row of cells only; the nodes alone would lose 0.4 of it in each
     // step.
@@ -132,7 +132,7 @@ TEST(WallStop, shear_over_a_wall_goes_on) {
 }
 
 /// A block that lands takes the same impulse and loses the same energy in any number of steps.
-TEST(WallStop, does_not_depend_on_the_step) {
+TEST(InelasticProjection, does_not_depend_on_the_step) {
   const auto fall = [](double dt, const Json& scheme) {
     Json sand = elastic_soil("mohr_coulomb", 1e5, 0.3, 1000);
     sand["friction_angle"] = 30;

@@ -15,7 +15,7 @@ namespace gabion {
 /// to a tenth more counts as good.
 ///
 /// @see Levenberg (1944); Marquardt (1963)
-class Brace {
+class Regularisation {
  public:
   double share() const { return share_; }  ///< 0: plain Newton
   bool active() const { return share_ > 0; }

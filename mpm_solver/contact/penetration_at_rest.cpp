@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/contact/way_at_rest.hpp"
+#include "mpm_solver/contact/penetration_at_rest.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ constexpr double one_face = 0.866;
 }  // namespace
 
 template <int dim>
-Vector<dim> way_at_rest(std::span<const RestingPlace<dim>> places) {
+Vector<dim> penetration_at_rest(std::span<const RestingPlace<dim>> places) {
   std::vector<RestingPlace<dim>> nearest(places.begin(), places.end());
   std::stable_sort(nearest.begin(), nearest.end(),
                    [](const auto& a, const auto& b) { return std::abs(a.gap) < std::abs(b.gap); });
@@ -30,7 +30,7 @@ Vector<dim> way_at_rest(std::span<const RestingPlace<dim>> places) {
   return size > 0 ? Vector<dim>(s / std::sqrt(size)) : s;
 }
 
-template Vector<2> way_at_rest<2>(std::span<const RestingPlace<2>>);
-template Vector<3> way_at_rest<3>(std::span<const RestingPlace<3>>);
+template Vector<2> penetration_at_rest<2>(std::span<const RestingPlace<2>>);
+template Vector<3> penetration_at_rest<3>(std::span<const RestingPlace<3>>);
 
 }  // namespace gabion::mpm

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "common/mechanics/newton/brace.hpp"
 #include "common/mechanics/newton/newton.hpp"
+#include "common/mechanics/newton/regularisation.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/mpi_main.hpp"
 
@@ -24,13 +24,13 @@ namespace {
 class LooseNode : public NewtonProblem<2> {
  public:
   double weight = 1e-3, light = 1e-6, support = 1;
-  bool can_brace = true;
+  bool can_regularise = true;
 
   double solution() const { return -weight / (light + support); }
   double increment_scale() const override { return 1; }
-  bool brace(double share) override {
+  bool regularise(double share) override {
     share_ = share;
-    return can_brace;
+    return can_regularise;
   }
   Evaluation evaluate(std::span<const double> u, std::span<double> r, BlockMatrix<2>* K) override {
     r[0] = -weight - light * u[0] - support * std::min(u[0], 0.0);
@@ -68,7 +68,7 @@ NewtonReport solve(LooseNode& node, double& u, bool reuse_matrix = false) {
 
 TEST(LooseNode, defeats_the_line_search_without_a_brace) {
   LooseNode node;
-  node.can_brace = false;
+  node.can_regularise = false;
   double u = 1e-3;
   test::expect_error<ConvergenceError>([&] { solve(node, u); }, {"line search failed"});
 }
@@ -146,42 +146,42 @@ TEST(EdgeOfRest, a_small_step_does_not_lead_out_of_the_limit_of_the_residual) {
   EXPECT_EQ(report.iterations, 2);
 }
 
-TEST(Brace, comes_at_full_and_goes_with_good_steps) {
-  Brace brace;
-  EXPECT_FALSE(brace.active());
-  brace.follow(1, 0.5);
-  EXPECT_EQ(brace.share(), 0);
-  EXPECT_TRUE(brace.raise());
-  EXPECT_EQ(brace.share(), 1);
-  EXPECT_FALSE(brace.raise());
+TEST(Regularisation, comes_at_full_and_goes_with_good_steps) {
+  Regularisation regularisation;
+  EXPECT_FALSE(regularisation.active());
+  regularisation.follow(1, 0.5);
+  EXPECT_EQ(regularisation.share(), 0);
+  EXPECT_TRUE(regularisation.raise());
+  EXPECT_EQ(regularisation.share(), 1);
+  EXPECT_FALSE(regularisation.raise());
   for (const double share : {1e-1, 1e-2, 1e-3, 0.0}) {
-    brace.follow(1, 0.9);
-    EXPECT_NEAR(brace.share(), share, 1e-12);
+    regularisation.follow(1, 0.9);
+    EXPECT_NEAR(regularisation.share(), share, 1e-12);
   }
-  EXPECT_TRUE(brace.raise());
-  brace.follow(1, 0.05);
-  EXPECT_NEAR(brace.share(), 1e-2, 1e-12);
-  brace.follow(1, 0.05);
-  EXPECT_FALSE(brace.active());
+  EXPECT_TRUE(regularisation.raise());
+  regularisation.follow(1, 0.05);
+  EXPECT_NEAR(regularisation.share(), 1e-2, 1e-12);
+  regularisation.follow(1, 0.05);
+  EXPECT_FALSE(regularisation.active());
 }
 
-TEST(Brace, rises_with_the_residual_and_then_stays_for_a_step) {
-  Brace brace;
-  brace.raise();
-  brace.follow(1, 1.05);  // flat: as good
-  brace.follow(1, 0.9);
-  EXPECT_NEAR(brace.share(), 1e-2, 1e-12);
-  brace.follow(1, 1.5);
-  EXPECT_NEAR(brace.share(), 1e-1, 1e-12);
-  brace.follow(1, 0.9);
-  EXPECT_NEAR(brace.share(), 1e-1, 1e-12);
-  brace.follow(1, 0.9);
-  EXPECT_NEAR(brace.share(), 1e-2, 1e-12);
-  EXPECT_TRUE(Brace::allows(1, 1.9));
-  EXPECT_FALSE(Brace::allows(1, 2.1));
+TEST(Regularisation, rises_with_the_residual_and_then_stays_for_a_step) {
+  Regularisation regularisation;
+  regularisation.raise();
+  regularisation.follow(1, 1.05);  // flat: as good
+  regularisation.follow(1, 0.9);
+  EXPECT_NEAR(regularisation.share(), 1e-2, 1e-12);
+  regularisation.follow(1, 1.5);
+  EXPECT_NEAR(regularisation.share(), 1e-1, 1e-12);
+  regularisation.follow(1, 0.9);
+  EXPECT_NEAR(regularisation.share(), 1e-1, 1e-12);
+  regularisation.follow(1, 0.9);
+  EXPECT_NEAR(regularisation.share(), 1e-2, 1e-12);
+  EXPECT_TRUE(Regularisation::allows(1, 1.9));
+  EXPECT_FALSE(Regularisation::allows(1, 2.1));
 }
 
-TEST(Brace, circles_of_any_period_are_seen_and_progress_is_not) {
+TEST(Regularisation, circles_of_any_period_are_seen_and_progress_is_not) {
   const auto circles = [](const std::vector<double>& residuals) {
     return go_in_circles(residuals);
   };

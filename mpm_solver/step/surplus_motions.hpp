@@ -11,10 +11,10 @@
 
 namespace gabion::mpm {
 
-/// The largest surplus_way of this rank's points, for the solutions of one step. Groups whose nodes
-/// move as in the solution before are not looked at again.
+/// The largest surplus_motion of this rank's points, for the solutions of one step. Groups whose
+/// nodes move as in the solution before are not looked at again.
 template <int dim>
-class SurplusWays {
+class SurplusMotions {
  public:
   /// A step begins.
   void forget() { du_.clear(); }
@@ -25,7 +25,8 @@ class SurplusWays {
     of_group_.resize(groups.size());
     double largest = -std::numeric_limits<double>::infinity();
     for (std::size_t g = 0; g < groups.size(); ++g) {
-      if (!known || moves_otherwise(step, groups[g])) of_group_[g] = surplus_way(step, groups[g]);
+      if (!known || moves_otherwise(step, groups[g]))
+        of_group_[g] = surplus_motion(step, groups[g]);
       largest = std::max(largest, of_group_[g]);
     }
     du_.assign(step.du.begin(), step.du.end());

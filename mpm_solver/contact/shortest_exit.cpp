@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/contact/way_out.hpp"
+#include "mpm_solver/contact/shortest_exit.hpp"
 
 #include <Eigen/LU>
 #include <limits>
@@ -18,9 +18,9 @@ class Search {
   Search(std::span<const Vector<dim>> normals, std::span<const double> deltas)
       : normals_(normals), deltas_(deltas) {}
 
-  WayOut<dim> run() {
+  ShortestExit<dim> run() {
     for (int size = 1; size <= dim && lacking_ > negligible; ++size) {
-      WayOut<dim> set;
+      ShortestExit<dim> set;
       set.size = size;
       choose(set, 0, 0);
     }
@@ -28,7 +28,7 @@ class Search {
   }
 
  private:
-  void choose(WayOut<dim>& set, int chosen, int first) {
+  void choose(ShortestExit<dim>& set, int chosen, int first) {
     if (chosen == set.size) return try_set(set);
     for (int plane = first; plane < static_cast<int>(normals_.size()); ++plane) {
       set.planes[chosen] = plane;
@@ -36,7 +36,7 @@ class Search {
     }
   }
 
-  void try_set(WayOut<dim>& set) {
+  void try_set(ShortestExit<dim>& set) {
     Matrix<dim> G = Matrix<dim>::Identity();  // beyond `size` not used
     for (int k = 0; k < set.size; ++k) {
       for (int l = 0; l < set.size; ++l) {
@@ -65,18 +65,19 @@ class Search {
 
   std::span<const Vector<dim>> normals_;
   std::span<const double> deltas_;
-  WayOut<dim> best_;
+  ShortestExit<dim> best_;
   double lacking_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace
 
 template <int dim>
-WayOut<dim> way_out(std::span<const Vector<dim>> normals, std::span<const double> deltas) {
+ShortestExit<dim> shortest_exit(std::span<const Vector<dim>> normals,
+                                std::span<const double> deltas) {
   return Search<dim>(normals, deltas).run();
 }
 
-template WayOut<2> way_out<2>(std::span<const Vector<2>>, std::span<const double>);
-template WayOut<3> way_out<3>(std::span<const Vector<3>>, std::span<const double>);
+template ShortestExit<2> shortest_exit<2>(std::span<const Vector<2>>, std::span<const double>);
+template ShortestExit<3> shortest_exit<3>(std::span<const Vector<3>>, std::span<const double>);
 
 }  // namespace gabion::mpm

@@ -30,7 +30,7 @@ namespace gabion::mpm {
 /// `least`; what points hardly weigh on follows in later steps, nodes without weight are left out.
 /// @see Golub and Varga (1961) for Chebyshev's method
 template <int dim>
-class WallStop {
+class InelasticProjection {
  public:
   static constexpr int num_sweeps = 10;
   static constexpr double least = 0.04;
@@ -59,7 +59,7 @@ class WallStop {
 
  private:
   /// A point that weighs on held nodes, with its values at them.
-  struct Touch {
+  struct WallPoint {
     std::int32_t group;
     std::int32_t entry;
     std::int32_t last_value;  // one past them
@@ -70,8 +70,8 @@ class WallStop {
     std::int32_t node;
     double rho;
   };
-  void list_touches(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
-                    const WallConditions<dim>& walls, const GridNodes<dim>& nodes);
+  void list_points(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                   const WallConditions<dim>& walls, const GridNodes<dim>& nodes);
   void search(const WallConditions<dim>& walls, const GridNodes<dim>& nodes, std::vector<double> r);
   void limit(const WallConditions<dim>& walls, std::span<const double> u,
              std::vector<double>& r) const;
@@ -83,7 +83,7 @@ class WallStop {
 
   double weightless_ = 0;  // a node of this mass or less is [kg]
   bool acts_ = false;
-  std::vector<Touch> touches_;  // of this rank
+  std::vector<WallPoint> at_walls_;  // of this rank
   std::vector<Value> values_;
   std::vector<double> J_;
   Totals totals_;

@@ -19,13 +19,13 @@ struct RestingPlace {
 };
 
 /// The displacement u whose depths n_k . u give each face the traction that it has at rest, where
-/// WayOut shares them (docs/theory/interface.md, (I17)):
+/// ShortestExit shares them (docs/theory/interface.md, (I17)):
 ///
 ///     s = sum_k square_k n_k ,   u = s / sqrt(|s|)
 ///
 /// Faces that are turned by less than 30 degrees are one, the one with the smallest gap.
 /// @returns zero without places [m]
 template <int dim>
-Vector<dim> way_at_rest(std::span<const RestingPlace<dim>> places);
+Vector<dim> penetration_at_rest(std::span<const RestingPlace<dim>> places);
 
 }  // namespace gabion::mpm

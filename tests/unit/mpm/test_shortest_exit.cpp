@@ -3,22 +3,22 @@
 
 #include <cmath>
 
-#include "mpm_solver/contact/way_out.hpp"
+#include "mpm_solver/contact/shortest_exit.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
 namespace gabion::test {
 namespace {
 
 template <int dim>
-Vector<dim> way(const mpm::WayOut<dim>& out, std::span<const Vector<dim>> normals) {
+Vector<dim> path(const mpm::ShortestExit<dim>& out, std::span<const Vector<dim>> normals) {
   Vector<dim> u = Vector<dim>::Zero();
   for (int k = 0; k < out.size; ++k) u += out.depths[k] * normals[out.planes[k]];
   return u;
 }
 
-TEST(WayOut, planes_at_right_angles_push_each_for_itself) {
+TEST(ShortestExit, planes_at_right_angles_push_each_for_itself) {
   const std::vector<Vector<3>> normals = {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}};
-  const auto out = mpm::way_out<3>(normals, std::vector<double>{0.1, 0.2, 0.3});
+  const auto out = mpm::shortest_exit<3>(normals, std::vector<double>{0.1, 0.2, 0.3});
   ASSERT_EQ(out.size, 3);
   EXPECT_EQ(out.planes, (std::array<int, 3>{0, 1, 2}));
   EXPECT_NEAR(out.depths[0], 0.1, 1e-15);
@@ -26,9 +26,9 @@ TEST(WayOut, planes_at_right_angles_push_each_for_itself) {
   EXPECT_NEAR(out.depths[2], 0.3, 1e-15);
 }
 
-TEST(WayOut, of_nearly_parallel_planes_the_deepest_pushes) {
+TEST(ShortestExit, of_nearly_parallel_planes_the_deepest_pushes) {
   const std::vector<Vector<2>> normals = {{0, 1}, {1e-4, std::sqrt(1 - 1e-8)}};
-  const auto out = mpm::way_out<2>(normals, std::vector<double>{0.2, 0.1});
+  const auto out = mpm::shortest_exit<2>(normals, std::vector<double>{0.2, 0.1});
   ASSERT_EQ(out.size, 1);
   EXPECT_EQ(out.planes[0], 0);
   EXPECT_EQ(out.depths[0], 0.2);
@@ -47,8 +47,8 @@ void check_shortest() {
       normals.push_back(n.normalized());
       deltas.push_back(0.1 + std::abs(random.template vector<dim>()[0]));
     }
-    const auto out = mpm::way_out<dim>(normals, deltas);
-    const Vector<dim> u = way<dim>(out, normals);
+    const auto out = mpm::shortest_exit<dim>(normals, deltas);
+    const Vector<dim> u = path<dim>(out, normals);
     ASSERT_GT(out.size, 0);
     EXPECT_NEAR(out.length, u.norm(), 1e-14);
     for (std::size_t l = 0; l < normals.size(); ++l) {
@@ -67,7 +67,7 @@ void check_shortest() {
   }
 }
 
-TEST(WayOut, is_the_shortest_way_out_of_all) {
+TEST(ShortestExit, is_the_shortest_way_out_of_all) {
   check_shortest<2>();
   check_shortest<3>();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mpm_solver/walls/wall_stop.hpp"
+#include "mpm_solver/walls/inelastic_projection.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -26,18 +26,19 @@ void hold(const WallConditions<dim>& walls, std::vector<double>& x) {
 }  // namespace
 
 template <int dim>
-void WallStop<dim>::forget() {
+void InelasticProjection<dim>::forget() {
   acts_ = false;
-  touches_.clear();
+  at_walls_.clear();
   values_.clear();
   J_.clear();
   totals_ = {};
 }
 
 template <int dim>
-void WallStop<dim>::list_touches(const MaterialPoints<dim>& points,
-                                 const PointWeights<dim>& weights, const WallConditions<dim>& walls,
-                                 const GridNodes<dim>& nodes) {
+void InelasticProjection<dim>::list_points(const MaterialPoints<dim>& points,
+                                           const PointWeights<dim>& weights,
+                                           const WallConditions<dim>& walls,
+                                           const GridNodes<dim>& nodes) {
   std::vector<char> is_held(nodes.m.size(), 0);
   for (const std::int32_t i : walls.constrained()) is_held[i] = nodes.m[i] > weightless_;
   std::int32_t active[max_group_nodes<dim>];
@@ -55,27 +56,27 @@ void WallStop<dim>::list_touches(const MaterialPoints<dim>& points,
         if (is_held[i]) values_.push_back({i, weights.N_of(e)[k] * m / nodes.m[i]});
       }
       if (values_.size() == before) continue;
-      touches_.push_back({g, e, static_cast<std::int32_t>(values_.size()), m, Vector<dim>::Zero()});
+      at_walls_.push_back({g, e, static_cast<std::int32_t>(values_.size()), m, Vector<dim>::Zero()});
     }
   }
 }
 
 // dv = W impulse at the held nodes; each point keeps its own.
 template <int dim>
-void WallStop<dim>::respond(const SharedNodes& shared, std::span<const double> impulse,
-                            std::span<double> dv) {
+void InelasticProjection<dim>::respond(const SharedNodes& shared, std::span<const double> impulse,
+                                       std::span<double> dv) {
   std::fill(dv.begin(), dv.end(), 0.0);
   const Value* first = values_.data();
-  for (Touch& touch : touches_) {
-    const Value* const last = values_.data() + touch.last_value;
-    touch.dv.setZero();
+  for (WallPoint& point : at_walls_) {
+    const Value* const last = values_.data() + point.last_value;
+    point.dv.setZero();
     for (const Value* value = first; value < last; ++value) {
       const double* const J = impulse.data() + std::ptrdiff_t{value->node} * dim;
-      touch.dv += value->rho / touch.m * Eigen::Map<const Vector<dim>>(J);
+      point.dv += value->rho / point.m * Eigen::Map<const Vector<dim>>(J);
     }
     for (const Value* value = first; value < last; ++value) {
       Eigen::Map<Vector<dim>>(dv.data() + std::ptrdiff_t{value->node} * dim) +=
-          value->rho * touch.dv;
+          value->rho * point.dv;
     }
     first = last;
   }
@@ -84,8 +85,8 @@ void WallStop<dim>::respond(const SharedNodes& shared, std::span<const double> i
 
 // J from the velocity r that is missing at the walls.
 template <int dim>
-void WallStop<dim>::search(const WallConditions<dim>& walls, const GridNodes<dim>& nodes,
-                           std::vector<double> r) {
+void InelasticProjection<dim>::search(const WallConditions<dim>& walls, const GridNodes<dim>& nodes,
+                                      std::vector<double> r) {
   constexpr double middle = (1 + least) / 2, radius = (1 - least) / 2, sigma = middle / radius;
   const std::size_t n = r.size();
   J_.assign(n, 0.0);
@@ -110,15 +111,16 @@ void WallStop<dim>::search(const WallConditions<dim>& walls, const GridNodes<dim
 
 // The velocity mapped from the points after the stop.
 template <int dim>
-void WallStop<dim>::move_nodes(const PointWeights<dim>& weights, GridNodes<dim>& nodes) const {
+void InelasticProjection<dim>::move_nodes(const PointWeights<dim>& weights,
+                                          GridNodes<dim>& nodes) const {
   std::vector<double> dp(nodes.v.size() * dim, 0.0);  // change of momentum
   std::int32_t active[max_group_nodes<dim>];
-  for (const Touch& touch : touches_) {
-    nodes.list_active(weights.nodes_of(weights.groups[touch.group]), active);
-    for (int k = 0; k < weights.num_nodes(touch.entry); ++k) {
-      const std::ptrdiff_t node = active[weights.local_of(touch.entry)[k]];
+  for (const WallPoint& point : at_walls_) {
+    nodes.list_active(weights.nodes_of(weights.groups[point.group]), active);
+    for (int k = 0; k < weights.num_nodes(point.entry); ++k) {
+      const std::ptrdiff_t node = active[weights.local_of(point.entry)[k]];
       Eigen::Map<Vector<dim>>(dp.data() + node * dim) +=
-          weights.N_of(touch.entry)[k] * touch.m * touch.dv;
+          weights.N_of(point.entry)[k] * point.m * point.dv;
     }
   }
   nodes.shared.sum(dp, dim);
@@ -130,20 +132,20 @@ void WallStop<dim>::move_nodes(const PointWeights<dim>& weights, GridNodes<dim>&
 
 // What the points would have at the held nodes if they moved with the nodes and walls.
 template <int dim>
-std::vector<double> WallStop<dim>::smooth(const PointWeights<dim>& weights,
-                                          const GridNodes<dim>& nodes,
-                                          std::span<const double> v) const {
+std::vector<double> InelasticProjection<dim>::smooth(const PointWeights<dim>& weights,
+                                                     const GridNodes<dim>& nodes,
+                                                     std::span<const double> v) const {
   std::vector<double> mapped(v.size(), 0.0);
   std::int32_t active[max_group_nodes<dim>];
   const Value* first = values_.data();
-  for (const Touch& touch : touches_) {
-    nodes.list_active(weights.nodes_of(weights.groups[touch.group]), active);
+  for (const WallPoint& point : at_walls_) {
+    nodes.list_active(weights.nodes_of(weights.groups[point.group]), active);
     Vector<dim> of_point = Vector<dim>::Zero();
-    for (int k = 0; k < weights.num_nodes(touch.entry); ++k) {
-      const std::ptrdiff_t node = active[weights.local_of(touch.entry)[k]];
-      of_point += weights.N_of(touch.entry)[k] * Eigen::Map<const Vector<dim>>(&v[node * dim]);
+    for (int k = 0; k < weights.num_nodes(point.entry); ++k) {
+      const std::ptrdiff_t node = active[weights.local_of(point.entry)[k]];
+      of_point += weights.N_of(point.entry)[k] * Eigen::Map<const Vector<dim>>(&v[node * dim]);
     }
-    const Value* const last = values_.data() + touch.last_value;
+    const Value* const last = values_.data() + point.last_value;
     for (const Value* value = first; value < last; ++value) {
       Eigen::Map<Vector<dim>>(&mapped[std::ptrdiff_t{value->node} * dim]) += value->rho * of_point;
     }
@@ -155,8 +157,8 @@ std::vector<double> WallStop<dim>::smooth(const PointWeights<dim>& weights,
 
 // No held node may get more than it has: |u + r| <= |u|.
 template <int dim>
-void WallStop<dim>::limit(const WallConditions<dim>& walls, std::span<const double> u,
-                          std::vector<double>& r) const {
+void InelasticProjection<dim>::limit(const WallConditions<dim>& walls, std::span<const double> u,
+                                     std::vector<double>& r) const {
   for (const std::int32_t i : walls.constrained()) {
     const Eigen::Map<const Vector<dim>> had(u.data() + std::ptrdiff_t{i} * dim);
     Eigen::Map<Vector<dim>> missing(r.data() + std::ptrdiff_t{i} * dim);
@@ -170,8 +172,8 @@ void WallStop<dim>::limit(const WallConditions<dim>& walls, std::span<const doub
 // share of J without one.
 // @returns what they get, <= 0 [J]
 template <int dim>
-double WallStop<dim>::avoid_gain(const SharedNodes& shared, std::span<const double> u,
-                                 std::vector<double>& W_J) {
+double InelasticProjection<dim>::avoid_gain(const SharedNodes& shared, std::span<const double> u,
+                                            std::vector<double>& W_J) {
   double sums[2] = {};
   auto& [J_u, J_W_J] = sums;
   for (std::size_t k = 0; k < u.size(); ++k) {
@@ -189,13 +191,15 @@ double WallStop<dim>::avoid_gain(const SharedNodes& shared, std::span<const doub
 }
 
 template <int dim>
-void WallStop<dim>::find(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
-                         const WallConditions<dim>& walls, double dt, GridNodes<dim>& nodes) {
+void InelasticProjection<dim>::find(const MaterialPoints<dim>& points,
+                                    const PointWeights<dim>& weights,
+                                    const WallConditions<dim>& walls, double dt,
+                                    GridNodes<dim>& nodes) {
   forget();
   weightless_ = weightless_mass(nodes);
-  list_touches(points, weights, walls, nodes);
+  list_points(points, weights, walls, nodes);
   const SharedNodes& shared = nodes.shared;
-  acts_ = !shared.all(touches_.empty());
+  acts_ = !shared.all(at_walls_.empty());
   if (!acts_) return;
   const auto v = flat(nodes.v);
   std::vector<double> of_walls(v.size(), 0.0), r(v.size()), W_J(v.size());
@@ -232,11 +236,12 @@ void WallStop<dim>::find(const MaterialPoints<dim>& points, const PointWeights<d
 }
 
 template <int dim>
-void WallStop<dim>::kick(const PointWeights<dim>& weights, MaterialPoints<dim>& points) const {
-  for (const Touch& touch : touches_) points.v[weights.point[touch.entry]] += touch.dv;
+void InelasticProjection<dim>::kick(const PointWeights<dim>& weights,
+                                    MaterialPoints<dim>& points) const {
+  for (const WallPoint& point : at_walls_) points.v[weights.point[point.entry]] += point.dv;
 }
 
-template class WallStop<2>;
-template class WallStop<3>;
+template class InelasticProjection<2>;
+template class InelasticProjection<3>;
 
 }  // namespace gabion::mpm

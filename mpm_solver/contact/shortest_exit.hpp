@@ -12,7 +12,7 @@ namespace gabion::mpm {
 /// with n_l . u >= delta_l. It changes continuously where a plane comes in, at any angle: two that
 /// are nearly parallel push as one, two at right angles each for itself.
 template <int dim>
-struct WayOut {
+struct ShortestExit {
   int size = 0;                               ///< number of planes that push
   std::array<int, dim> planes{};              ///< which, ascending
   std::array<double, dim> depths{};           ///< along their normals [m]
@@ -23,6 +23,7 @@ struct WayOut {
 /// @param normals  of length 1, pointing out
 /// @param deltas   depths below the planes, > 0 [m]
 template <int dim>
-WayOut<dim> way_out(std::span<const Vector<dim>> normals, std::span<const double> deltas);
+ShortestExit<dim> shortest_exit(std::span<const Vector<dim>> normals,
+                                std::span<const double> deltas);
 
 }  // namespace gabion::mpm
