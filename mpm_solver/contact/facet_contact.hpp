@@ -110,7 +110,7 @@ class FacetContact final : public Contact<dim> {
     std::int32_t owner = 0;  // the member that has the feature
     SurfaceFeature<dim> feature;
     double radius = 0, area = 0;
-    double initial_penetration = 0;          // initial penetration [m]
+    double initial_penetration = 0;          // [m]
     double gap = 0;                          // less that depth
     std::int32_t first_weight = 0;           // of w, one for each value of the candidate
     std::array<std::int32_t, dim> others{};  // those of its material point, itself too
@@ -163,7 +163,8 @@ class FacetContact final : public Contact<dim> {
 
   // The law at a contact point.
   ContactLaw law_of(const Candidate& c, std::int32_t owner, double part) const;
-  // Of the water at the surface: none where it is drained, else no water flows along its normal.
+  // The pore pressure at the surface: none where it is drained, else that without flow along its
+  // normal.
   double pore_pressure_at(const ContactPoint& contact) const;
   void add_contacts(std::int32_t candidate, std::span<const SurfaceFeature<dim>> features,
                     std::span<const double> du);

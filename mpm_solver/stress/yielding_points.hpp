@@ -11,7 +11,7 @@ namespace gabion::mpm {
 
 /// The material points of one rank that yielded in any trial state since a solution is sought.
 /// Their stress has kinks, at the apex between full stiffness and none: where Newton's method may
-/// need regularisation (NewtonProblem::brace).
+/// need regularisation (NewtonProblem::regularise).
 template <int dim>
 class YieldingPoints {
  public:

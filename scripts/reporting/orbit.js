@@ -4,10 +4,10 @@ const TURN = 0.008;  // radians a pixel
 const STEEPEST = 1.55;  // radians above or below the horizon
 
 class Orbit {
-  // axes: unit vectors (right, up, eye) of the first look; centre and radius of the ball that it shows.
+  // axes: unit vectors (right, up, eye) of the first look; centre and radius of the sphere that it shows.
   // moved: called after each change.
-  constructor(canvas, axes, ball, moved) {
-    Object.assign(this, {canvas, axes, ball, moved});
+  constructor(canvas, axes, sphere, moved) {
+    Object.assign(this, {canvas, axes, sphere, moved});
     this.pointers = new Map();
     this.reset();
     canvas.addEventListener("pointerdown", (event) => this.press(event));
@@ -22,7 +22,7 @@ class Orbit {
 
   reset() {
     [this.azimuth, this.elevation, this.zoom] = [0.5, 0.6, 1];
-    this.target = [...this.ball.centre];
+    this.target = [...this.sphere.centre];
     this.moved();
   }
 
@@ -45,7 +45,7 @@ class Orbit {
   // Moves the scene by pixels to the right and downwards.
   pan(across, down) {
     const {right, up} = this.look();
-    const metres = 2 * this.ball.radius / this.zoom / Math.max(1, this.canvas.clientHeight);
+    const metres = 2 * this.sphere.radius / this.zoom / Math.max(1, this.canvas.clientHeight);
     this.target = this.target.map((x, k) => x + metres * (down * up[k] - across * right[k]));
     this.moved();
   }

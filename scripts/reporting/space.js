@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scene in space, drawn by three.js: soil points as balls, structures, boulders and rigid walls as shaded surfaces.
+// The scene in space, drawn by three.js: soil points as spheres, structures, boulders and rigid walls as shaded surfaces.
 const FIELD_OF_VIEW = 30;  // degrees
 const STEEL = [0.45, 0.52, 0.60];
 const HINT = "Drag to turn, with Shift, the right button or two fingers to move, pinch or use the wheel after a click "
@@ -59,12 +59,12 @@ class Space {
     this.data = scene.data.space;
     this.shown = true;
     const {low, high} = this.data;
-    this.ball = {centre: low.map((x, k) => (x + high[k]) / 2),
+    this.sphere = {centre: low.map((x, k) => (x + high[k]) / 2),
       radius: 0.5 * Math.hypot(...low.map((x, k) => high[k] - x)) || 1};
     this.addElements(section);
     this.renderer = new THREE.WebGLRenderer({canvas: this.canvas, antialias: true, alpha: true});
     this.canvas.addEventListener("webglcontextlost", () => this.toggle(false));
-    this.camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01 * this.ball.radius, 1000 * this.ball.radius);
+    this.camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01 * this.sphere.radius, 1000 * this.sphere.radius);
     this.root = new THREE.Scene();
     this.addLights();
     this.addSoil();
@@ -72,7 +72,7 @@ class Space {
     this.boulders = scene.boulders.map((each) => this.addBoulder(each));
     this.undersides = [];
     this.walls = this.data.walls.map((each) => this.addWall(each));
-    this.orbit = new Orbit(this.canvas, this.data, this.ball, () => this.orbit && this.draw());
+    this.orbit = new Orbit(this.canvas, this.data, this.sphere, () => this.orbit && this.draw());
     window.addEventListener("resize", () => this.draw());
     this.toggle(true);
   }
@@ -105,10 +105,10 @@ class Space {
     this.root.add(this.lamp, this.lamp.target);
   }
 
-  // Places of the data stay 16-bit numbers: the object has the box as its scale. All is drawn about the ball's centre.
+  // Places of the data stay 16-bit numbers: the object has the box as its scale. All is drawn about the sphere's centre.
   inBox(object, low, high) {
     object.scale.set(...low.map((x, k) => high[k] - x || 1e-12));
-    object.position.set(...low.map((x, k) => x - this.ball.centre[k]));
+    object.position.set(...low.map((x, k) => x - this.sphere.centre[k]));
     object.frustumCulled = false;
     this.root.add(object);
     return object;
@@ -180,7 +180,7 @@ class Space {
 
   setPose({object, poses}, frame) {
     const p = poses.subarray(12 * frame, 12 * frame + 12);
-    const c = this.ball.centre;
+    const c = this.sphere.centre;
     object.matrix.set(p[0], p[1], p[2], p[9] - c[0], p[3], p[4], p[5], p[10] - c[1],
       p[6], p[7], p[8], p[11] - c[2], 0, 0, 0, 1);
     object.matrixWorldNeedsUpdate = true;
@@ -210,13 +210,13 @@ class Space {
   setCamera(width, height) {
     const {right, up, eye} = this.orbit.look();
     const half = Math.tan(FIELD_OF_VIEW * Math.PI / 360);
-    const distance = 1.02 * this.ball.radius / (half * Math.min(1, width / height) * this.orbit.zoom);
-    const target = this.orbit.target.map((x, k) => x - this.ball.centre[k]);
+    const distance = 1.02 * this.sphere.radius / (half * Math.min(1, width / height) * this.orbit.zoom);
+    const target = this.orbit.target.map((x, k) => x - this.sphere.centre[k]);
     this.camera.position.set(...target.map((x, k) => x + distance * eye[k]));
     this.camera.up.set(...up);
     this.camera.lookAt(...target);
     [this.camera.aspect, this.camera.near] = [width / height, 0.01 * distance];
-    this.camera.far = distance + 50 * this.ball.radius;
+    this.camera.far = distance + 50 * this.sphere.radius;
     this.camera.updateProjectionMatrix();
     const lamp = eye.map((x, k) => x + 1.2 * up[k] - 0.7 * right[k]);
     this.lamp.position.set(...lamp);

@@ -18,7 +18,7 @@ ROOM = 0.01  # of the radius, above the ground: facets of the slope lie between 
 class Boulder:
     """A boulder of the plan.
 
-    place: on the map [m]; radius: of a ball around it [m]; settings: those of `boulders` in mpm.json, but its place.
+    place: on the map [m]; radius: of a sphere around it [m]; settings: those of `boulders` in mpm.json, but its place.
     """
 
     place: np.ndarray
@@ -57,7 +57,7 @@ def radius_around(shape: Reader) -> float:
 
 
 def boulder_settings(boulder: Boulder, slope: Slope, columns: Columns, origin: np.ndarray) -> dict:
-    """The ball around it touches the ground, or the soil there, nearly. @raises TerrainError  there is no ground"""
+    """The sphere around it touches the ground, or the soil there, nearly. @raises TerrainError  there is no ground"""
     x, y = boulder.place - origin[:2]
     steps = boulder.radius * np.arange(-SAMPLES, SAMPLES + 1) / SAMPLES
     dx, dy = np.meshgrid(steps, steps)

@@ -186,7 +186,7 @@ void Newton<block_size>::solve_linear() {
     }
   }
   ++report_.iterations;
-  report_.braced += regularisation_.active();
+  report_.regularised += regularisation_.active();
   step_size_ = problem_.shared().largest(worst_node<block_size>(step_).size);
 }
 

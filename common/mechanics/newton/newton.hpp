@@ -86,7 +86,7 @@ struct NewtonReport {
   int matrices = 0;    ///< evaluations of K
   std::int64_t linear_iterations = 0;
   int line_search_cuts = 0;
-  int braced = 0;                 ///< linear systems solved with regularisation
+  int regularised = 0;                 ///< linear systems solved with regularisation
   int supported = 0;              ///< linear systems that had no solution without support
   std::vector<double> residuals;  ///< |r| / force_scale of each iterate
 };
@@ -103,7 +103,7 @@ struct NewtonReport {
 /// before it is the solution. With force_scale 0 only r = 0 converges.
 ///
 /// Where r has kinks, such as soil that comes loose, s may be refused at any size and full steps
-/// may jump to and fro for ever. Then K is regularised there (NewtonProblem::brace,
+/// may jump to and fro for ever. Then K is regularised there (NewtonProblem::regularise,
 /// Regularisation): s counts as good up to twice |r|, and only a step without regularisation ends
 /// the search. Within the limit of |r| the regularisation is taken off. It changes K alone: the
 /// solution does not depend on it. Where K without it is singular, it gets additional stiffness for

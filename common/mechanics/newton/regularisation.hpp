@@ -8,7 +8,7 @@
 namespace gabion {
 
 /// Regularisation at kinks of the equations: how much stiffness Newton's method adds there
-/// (NewtonProblem::brace), as a share of the full one, after the rule of Levenberg and Marquardt.
+/// (NewtonProblem::regularise), as a share of the full one, after the rule of Levenberg and Marquardt.
 /// It starts at one and falls tenfold with each good step, a hundredfold where |r| fell tenfold;
 /// below a thousandth plain steps come back. It rises tenfold after a refused step and after one
 /// that raised |r|, and then stays for one good step. On the flat of a kink |r| hardly changes: up

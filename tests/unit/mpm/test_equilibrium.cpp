@@ -435,8 +435,8 @@ void expect_elastic_brace(CellType type, int points_per_cell, mpm::Basis basis) 
   };
   const Eigen::VectorXd plain = times_K(loose), stiffness = times_K(elastic);
   EXPECT_TRUE(loose.equilibrium->regularise(share));
-  const Eigen::VectorXd braced = times_K(loose);
-  EXPECT_LT((braced - plain - share * stiffness).norm(), 1e-12 * stiffness.norm());
+  const Eigen::VectorXd regularised = times_K(loose);
+  EXPECT_LT((regularised - plain - share * stiffness).norm(), 1e-12 * stiffness.norm());
   EXPECT_TRUE(loose.equilibrium->regularise(0));
   EXPECT_LT((times_K(loose) - plain).norm(), 1e-14 * plain.norm());
   EXPECT_FALSE(elastic.equilibrium->regularise(share));

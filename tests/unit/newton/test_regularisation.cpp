@@ -81,7 +81,7 @@ TEST(LooseNode, comes_to_rest_with_a_brace) {
       double u = start;
       const NewtonReport report = solve(node, u);
       EXPECT_NEAR(u, node.solution(), 1e-10 * node.weight) << light << ' ' << start;
-      EXPECT_GT(report.braced, 0);
+      EXPECT_GT(report.regularised, 0);
       EXPECT_LE(report.iterations, 16) << light << ' ' << start;
     }
   }
@@ -93,7 +93,7 @@ TEST(LooseNode, flies_where_nothing_stops_it) {
   double u = -1e-3;
   const NewtonReport report = solve(node, u);
   EXPECT_NEAR(u, 1e-3 / node.light, 1e-6);
-  EXPECT_EQ(report.braced, 0);
+  EXPECT_EQ(report.regularised, 0);
 }
 
 TEST(LooseNode, round_off_in_the_data_decides_nothing) {
