@@ -42,12 +42,12 @@ template <int dim>
 CellIntegrals<dim>::CellIntegrals(const Mesh<dim>& mesh,
                                   std::span<const CellMaterial<dim>> materials, bool lumped_mass,
                                   const MeshRanks& ranks,
-                                  std::span<const LineMaterial> line_materials)
+                                  std::span<const LineMaterial> line_materials,
+                                  const EmbeddedNodes<dim>& embedded)
     : nodes_per_cell_(mesh.nodes_per_cell()),
       num_nodes_(mesh.num_nodes_total()),
       num_cells_(mesh.num_cells()),
-      cell_nodes_(mesh.cells),
-      line_nodes_(mesh.lines) {
+      cell_nodes_(mesh.cells) {
   double smallest_volume = std::numeric_limits<double>::infinity();
   for (std::int32_t c = 0; c < num_cells_; ++c) {
     smallest_volume = std::min(smallest_volume, cell_volume(mesh, c));
@@ -59,7 +59,7 @@ CellIntegrals<dim>::CellIntegrals(const Mesh<dim>& mesh,
     smallest_cell_size_ = std::min(smallest_cell_size_, length);
   }
   make_blocks(mesh, materials, ranks);
-  make_line_blocks(mesh, line_materials, lumped_mass, ranks);
+  make_line_blocks(mesh, line_materials, lumped_mass, ranks, embedded);
   compute_mass(mesh, lumped_mass);
 }
 
@@ -79,10 +79,16 @@ void CellIntegrals<dim>::make_blocks(const Mesh<dim>& mesh,
 template <int dim>
 void CellIntegrals<dim>::make_line_blocks(const Mesh<dim>& mesh,
                                           std::span<const LineMaterial> materials, bool lumped,
-                                          const MeshRanks& ranks) {
+                                          const MeshRanks& ranks,
+                                          const EmbeddedNodes<dim>& embedded) {
+  for (std::int32_t l = 0; l < mesh.num_lines(); ++l) {
+    const auto nodes = embedded.line_nodes(mesh, l);
+    line_nodes_.insert(line_nodes_.end(), nodes.begin(), nodes.end());
+    line_ends_.push_back(static_cast<std::int32_t>(line_nodes_.size()));
+  }
   auto lines = lines_of_materials<dim>(mesh, materials, ranks);
   for (std::size_t m = 0; m < materials.size(); ++m) {
-    line_blocks_.emplace_back(mesh, materials[m], std::move(lines[m]), lumped);
+    line_blocks_.emplace_back(mesh, materials[m], std::move(lines[m]), lumped, embedded);
   }
 }
 
@@ -194,7 +200,8 @@ void CellIntegrals<dim>::set_pattern(BlockMatrix<dim>& K) const {
   }
   std::vector<std::int32_t> nodes = cell_nodes_;
   nodes.insert(nodes.end(), line_nodes_.begin(), line_nodes_.end());
-  while (offsets.size() <= num_elements()) offsets.push_back(offsets.back() + 2);
+  const std::int32_t first = offsets.back();
+  for (const std::int32_t end : line_ends_) offsets.push_back(first + end);
   K.set_pattern(num_nodes_, offsets, nodes);
 }
 
@@ -290,7 +297,7 @@ double CellIntegrals<dim>::brake_work(std::span<const double> history) const {
 template <int dim>
 std::vector<double> CellIntegrals<dim>::line_forces(std::span<const double> u,
                                                     std::span<const double> history) const {
-  std::vector<double> result(line_nodes_.size() / 2, 0.0);
+  std::vector<double> result(num_lines(), 0.0);
   for (std::size_t b = 0; b < line_blocks_.size(); ++b) {
     const auto lines = line_blocks_[b].lines();
     const auto forces = line_blocks_[b].forces(u, of_line_block(history, b));
@@ -301,7 +308,7 @@ std::vector<double> CellIntegrals<dim>::line_forces(std::span<const double> u,
 
 template <int dim>
 std::vector<double> CellIntegrals<dim>::line_runs(std::span<const double> history) const {
-  std::vector<double> result(line_nodes_.size() / 2, 0.0);
+  std::vector<double> result(num_lines(), 0.0);
   for (std::size_t b = 0; b < line_blocks_.size(); ++b) {
     if (!line_blocks_[b].material().brake) continue;
     const auto lines = line_blocks_[b].lines();
