@@ -15,7 +15,7 @@
 #include "common/mechanics/ranks/text.hpp"
 #include "common/settings/plausible.hpp"
 #include "fem_solver/ranks/divide_mesh.hpp"
-#include "fem_solver/supports/boundary_conditions.hpp"
+#include "fem_solver/supports/embedded_lines.hpp"
 #include "fem_solver/supports/held_parts.hpp"
 
 namespace gabion::fem {
@@ -249,42 +249,6 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
   }
 }
 
-/// Refuse conditions and loads at nodes that are no unknowns.
-template <int dim>
-void refuse_conditions_on_embedded(const FemSettings<dim>& s) {
-  if (s.embedded.nodes.empty()) return;
-  const auto refuse = [](const std::string& where, const std::string& what) {
-    throw ConfigError(
-        fmt::format("{}: found {} of embedded lines, allowed: groups and points "
-                    "without them; these nodes move with the cells around them",
-                    where, what));
-  };
-  const auto check_group = [&](const std::string& group, const std::string& where) {
-    for (const std::int32_t i : s.ranks.group_nodes(s.mesh, group, where)) {
-      if (s.embedded.contains(i)) refuse(where, fmt::format("group \"{}\" with nodes", group));
-    }
-  };
-  const auto check_places = [&](const auto& items) {
-    for (const auto& item : items) {
-      if (!item.point) {
-        check_group(item.group, item.where);
-      } else if (s.embedded.contains(node_at(s.mesh, s.ranks, *item.point, item.where))) {
-        refuse(item.where, "a node");
-      }
-    }
-  };
-  for (const auto& item : s.supports) check_group(item.group, item.where);
-  for (const auto& item : s.prescribed) check_group(item.group, item.where);
-  for (const auto& item : s.tractions) check_group(item.group, item.where);
-  for (const auto& item : s.interfaces) {
-    for (const std::string& group : item.groups) check_group(group, item.where);
-  }
-  check_places(s.loads);
-  check_places(s.point_masses);
-  check_places(s.springs);
-  check_places(s.dashpots);
-}
-
 /// Warn of facet groups that the file of the mesh names, and no condition, load or interface does.
 template <int dim>
 void warn_of_unused_groups(const ConfigReader& in, const FemSettings<dim>& s) {
@@ -406,11 +370,6 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
   auto ranked = read_mesh_with_lines<dim>(scene, in, s, comm);
   s.mesh = std::move(ranked.mesh);
   s.ranks = std::move(ranked.ranks);
-  together<ConfigError>(
-      comm, [&] { s.embedded = find_embedded_nodes<dim>(s.mesh, s.line_materials, s.ranks); });
-  if (!s.embedded.nodes.empty()) {
-    ranked.connection = connection_of(without_embedded_lines<dim>(s.mesh, s.line_materials));
-  }
   s.gravity = read_vector<dim>(in, "gravity");
   read_motion<dim>(in, s);
   if (s.dynamic) s.lumped_mass = in.choice("mass") == "lumped";
@@ -418,7 +377,7 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
     in.fail("mass", "has no meaning when \"analysis\" is \"static\"");
   }
   read_conditions(in, s);
-  refuse_conditions_on_embedded(s);
+  embed_lines(s, ranked.connection);
   check_damping(s);
   together<ConfigError>(comm, [&] { check_held_parts(in, s, ranked.connection); });
   warn_of_unused_groups(in, s);

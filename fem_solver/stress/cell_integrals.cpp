@@ -41,9 +41,7 @@ void check_formulation(const CellMaterial<dim>& material, CellType type) {
 template <int dim>
 CellIntegrals<dim>::CellIntegrals(const Mesh<dim>& mesh,
                                   std::span<const CellMaterial<dim>> materials, bool lumped_mass,
-                                  const MeshRanks& ranks,
-                                  std::span<const LineMaterial> line_materials,
-                                  const EmbeddedNodes<dim>& embedded)
+                                  const MeshRanks& ranks, const LinesOfMesh<dim>& lines)
     : nodes_per_cell_(mesh.nodes_per_cell()),
       num_nodes_(mesh.num_nodes_total()),
       num_cells_(mesh.num_cells()),
@@ -59,7 +57,7 @@ CellIntegrals<dim>::CellIntegrals(const Mesh<dim>& mesh,
     smallest_cell_size_ = std::min(smallest_cell_size_, length);
   }
   make_blocks(mesh, materials, ranks);
-  make_line_blocks(mesh, line_materials, lumped_mass, ranks, embedded);
+  make_line_blocks(mesh, lines, lumped_mass, ranks);
   compute_mass(mesh, lumped_mass);
 }
 
@@ -77,18 +75,19 @@ void CellIntegrals<dim>::make_blocks(const Mesh<dim>& mesh,
 }
 
 template <int dim>
-void CellIntegrals<dim>::make_line_blocks(const Mesh<dim>& mesh,
-                                          std::span<const LineMaterial> materials, bool lumped,
-                                          const MeshRanks& ranks,
-                                          const EmbeddedNodes<dim>& embedded) {
+void CellIntegrals<dim>::make_line_blocks(const Mesh<dim>& mesh, const LinesOfMesh<dim>& lines,
+                                          bool lumped, const MeshRanks& ranks) {
+  const EmbeddedNodes<dim> none;
+  const EmbeddedNodes<dim>& embedded = lines.embedded ? *lines.embedded : none;
   for (std::int32_t l = 0; l < mesh.num_lines(); ++l) {
     const auto nodes = embedded.line_nodes(mesh, l);
     line_nodes_.insert(line_nodes_.end(), nodes.begin(), nodes.end());
     line_ends_.push_back(static_cast<std::int32_t>(line_nodes_.size()));
   }
-  auto lines = lines_of_materials<dim>(mesh, materials, ranks);
-  for (std::size_t m = 0; m < materials.size(); ++m) {
-    line_blocks_.emplace_back(mesh, materials[m], std::move(lines[m]), lumped, embedded);
+  auto of_materials = lines_of_materials<dim>(mesh, lines.materials, ranks);
+  for (std::size_t m = 0; m < lines.materials.size(); ++m) {
+    line_blocks_.emplace_back(mesh, lines.materials[m], std::move(of_materials[m]), lumped,
+                              embedded);
   }
 }
 
