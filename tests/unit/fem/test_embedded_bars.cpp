@@ -231,6 +231,7 @@ TEST(EmbeddedBars, stiffness_sums) {
       json["prescribed"] = {
           {{"group", "right"}, {"component", "x"}, {"table", {{0, 0}, {1, e * std::cos(angle)}}}},
           {{"group", "right"}, {"component", "y"}, {"table", {{0, 0}, {1, e * std::sin(angle)}}}}};
+      json["newton"] = {{"residual_tolerance", 1e-12}};
       json["sections"] = {{{"name", "cut"},
                            {"point", {0.22 * std::cos(angle), 0.22 * std::sin(angle)}},
                            {"normal", {std::cos(angle), std::sin(angle)}}}};
