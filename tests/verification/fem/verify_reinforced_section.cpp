@@ -14,7 +14,7 @@ namespace {
 // A section of 1 m x 0.5 m, 15.71 cm^2 of steel 62.5 mm below each face.
 constexpr double depth = 0.5, cover = 0.0625, E_c = 32.8e9, f_t = 2.9e6, E_s = 200e9, f_y = 500e6,
                  A_s = 1.571e-3;
-constexpr double zone = 0.5, arm = 0.5;  // of constant moment, half of it; of the load [m]
+constexpr double zone = 0.5;  // half of the length that may crack [m]
 
 /// Second moment of area without cracks, the steel in place of nothing: it lies in the concrete.
 double stiffness_uncracked() {
@@ -32,11 +32,12 @@ double yield_moment() {
   return concrete * (d - x / 3) + steel * (d - cover);
 }
 
-/// Half of a beam in four-point bending: the zone of constant moment cracks, the arm is elastic.
+/// Half of a beam in four-point bending: concrete from mid-span to 0.5 m, then elastic; the load at
+/// 1 m, far enough that it disturbs no concrete; the support at 1.5 m.
 /// Cells are squares, `cells` through the depth; bars have nodes of their own.
 GmshText beam(int cells) {
   const double h = depth / cells;
-  const int of_zone = static_cast<int>(std::lround(zone / h)), columns = 2 * of_zone;
+  const int of_zone = static_cast<int>(std::lround(zone / h)), columns = 3 * of_zone;
   GmshText file;
   const auto tag = [&](int i, int j) { return i * (cells + 1) + j + 1; };
   for (int i = 0; i <= columns; ++i) {
@@ -47,7 +48,7 @@ GmshText beam(int cells) {
     middle.push_back({tag(0, j), tag(0, j + 1)});
     end.push_back({tag(columns, j), tag(columns, j + 1)});
   }
-  load = {{tag(of_zone, cells), tag(of_zone + 1, cells)}};
+  load = {{tag(2 * of_zone, cells), tag(2 * of_zone + 1, cells)}};
   for (int i = 0; i < columns; ++i) {
     for (int j = 0; j < cells; ++j) {
       (i < of_zone ? concrete_cells : elastic_cells)
@@ -81,7 +82,7 @@ GmshText beam(int cells) {
 
 struct Bent {
   double first_damage = 0, at_yield = 0;  // moments [N m]
-  double motion = 0;                      // largest kinetic over elastic energy
+  double motion = 0;                      // kinetic over elastic energy when the steel yields
 };
 
 Json bar_of(const std::string& group) {
@@ -107,7 +108,7 @@ Bent bend(int cells) {
   json["materials"] = {material, rest, bar_of("low"), bar_of("high")};
   json["supports"] = {{{"group", "middle"}, {"components", {"x"}}}};
   json["prescribed"] = {
-      {{"group", "load"}, {"component", "y"}, {"table", {{0, 0}, {0.4, -0.16e-3}, {1, -2.2e-3}}}},
+      {{"group", "load"}, {"component", "y"}, {"table", {{0, 0}, {0.4, -0.28e-3}, {1, -2.6e-3}}}},
       {{"group", "end"}, {"component", "y"}, {"table", {{0, 0}}}}};
   const double h = depth / cells;
   json["sections"] = {{{"name", "s"}, {"point", {0.25 + 0.4 * h, depth / 2}}, {"normal", {1, 0}}}};
@@ -115,25 +116,26 @@ Bent bend(int cells) {
   const auto solver = fem_solver<2>(json);
   Bent bent;
   double before = 0;
-  constexpr int steps = 400;
+  constexpr int steps = 512;  // a power of two: parts of steps sum exactly
   for (int n = 1; n <= steps && bent.at_yield == 0; ++n) {
     advance(*solver, n, 1.0 / steps);
     const double moment = std::abs(probe(*solver, "s.M_z"));
     if (bent.first_damage == 0 && probe(*solver, "damage_work") > 0) {
       bent.first_damage = 0.5 * (before + moment);
     }
-    if (probe(*solver, "stress_max_low") > f_y) bent.at_yield = moment;
+    if (probe(*solver, "stress_max_low") > f_y) {
+      bent.at_yield = moment;
+      bent.motion = probe(*solver, "kinetic_energy") / probe(*solver, "elastic_energy");
+    }
     before = moment;
-    bent.motion = std::max(
-        bent.motion, probe(*solver, "kinetic_energy") / (1 + probe(*solver, "elastic_energy")));
   }
   return bent;
 }
 
-/// The steel yields at the moment of the cracked section once cells resolve its compressed zone, a
-/// sixth of the depth. Damage starts where the outer quadrature points reach the strength: those of
-/// cells of size h lie h (1 - 1/sqrt(3)) / 2 below the face, so that the moment tends to f_t W with
-/// h. Cells of full integration bend too stiffly by G/E (h / depth)^2, G/E = 1/2.
+/// The steel yields near the moment of the cracked section; concrete between cracks bears a share.
+/// Damage starts where the outer quadrature points reach the strength: those of cells of size h lie
+/// h (1 - 1/sqrt(3)) / 2 below the face, so that the moment tends to f_t W with h. Cells of full
+/// integration bend too stiffly by G/E (h / depth)^2, G/E = 1/2.
 TEST(VC1_ReinforcedSection, cracking_and_yield_moment) {
   const double at_face = f_t * stiffness_uncracked() / (depth / 2);
   double coarse = 0;
@@ -157,7 +159,7 @@ TEST(VC1_ReinforcedSection, cracking_and_yield_moment) {
               .unit = ""});
     }
     coarse = error;
-    EXPECT_LT(bent.motion, 0.02) << cells;
+    EXPECT_LT(bent.motion, 1e-3) << cells;
     verify({.id = "VC1",
             .what = fmt::format("{} cells through the depth: moment when the steel yields", cells),
             .exact = yield_moment(),
