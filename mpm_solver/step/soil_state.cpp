@@ -12,6 +12,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "mpm_solver/boulders/soil_inside.hpp"
+#include "mpm_solver/checks/varying_values.hpp"
 #include "mpm_solver/points/flat.hpp"
 
 namespace gabion::mpm {
@@ -55,6 +56,7 @@ MaterialPoints<dim> lay_all_points(const SoilModel<dim>& model) {
   }
   log::info("{} material points in {} {}", total, settings.bodies.size(),
             settings.bodies.size() == 1 ? "body" : "bodies");
+  log_varying(settings, points, model.comm);
   return points;
 }
 
