@@ -29,6 +29,23 @@ std::vector<double> read_axis(const std::string& path, const Hdf5Reader& file, c
   return axis;
 }
 
+// From axis d on. @param node  number of the lattice's node along the axes before
+template <int dim>
+double value_from_axis(const BoxField<dim>& field, int d, std::size_t node,
+                       const std::array<PlaceBetween, dim>& place, const Vector<dim>& x) {
+  if (d == dim) {
+    require<ConfigError>(std::isfinite(field.values[node]),
+                         "{}: dataset values: found {}, which a point at ({:.9g}) needs, allowed: "
+                         "a number",
+                         field.path, field.values[node], fmt::join(x.data(), x.data() + dim, ", "));
+    return field.values[node];
+  }
+  return between(place[d], [&](int k) {
+    const std::size_t next = node * field.axes[d].size() + place[d].first + k;
+    return value_from_axis<dim>(field, d + 1, next, place, x);
+  });
+}
+
 }  // namespace
 
 template <int dim>
@@ -65,23 +82,7 @@ double BoxField<dim>::at(const Vector<dim>& x) const {
                          "{}: it reaches from {} = {:.9g} to {:.9g}, found a point at {:.9g}", path,
                          axis_names[d], axes[d].front(), axes[d].back(), x[d]);
   }
-  double sum = 0;
-  for (int corner = 0; corner < 1 << dim; ++corner) {
-    double weight = 1;
-    std::size_t node = 0;
-    for (int d = 0; d < dim; ++d) {
-      const bool upper = (corner >> d & 1) != 0;
-      weight *= upper ? place[d].share : 1 - place[d].share;
-      node = node * axes[d].size() + place[d].first + (upper ? 1 : 0);
-    }
-    if (weight == 0) continue;
-    require<ConfigError>(std::isfinite(values[node]),
-                         "{}: dataset values: found {}, which a point at ({:.9g}) needs, allowed: "
-                         "a number",
-                         path, values[node], fmt::join(x.data(), x.data() + dim, ", "));
-    sum += weight * values[node];
-  }
-  return sum;
+  return value_from_axis<dim>(*this, 0, 0, place, x);
 }
 
 template struct BoxField<2>;

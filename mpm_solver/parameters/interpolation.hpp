@@ -34,4 +34,13 @@ inline PlaceBetween place_between(double x, std::span<const double> places) {
   return {first, std::clamp(share, 0.0, 1.0)};
 }
 
+/// Linear between the values of two neighbours; equal ones give just that value, and one that does
+/// not count is not asked for. @param value  of the lower (0) or upper (1) neighbour
+template <class Value>
+double between(const PlaceBetween& place, const Value& value) {
+  if (place.share == 0) return value(0);
+  if (place.share == 1) return value(1);
+  return std::lerp(value(0), value(1), place.share);
+}
+
 }  // namespace gabion::mpm

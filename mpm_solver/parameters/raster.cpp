@@ -141,35 +141,33 @@ Raster read_raster(const std::string& path, const Vector<2>& origin) {
       if (!is_none && std::isfinite(value)) raster.values[place] = value;
     }
   }
-  require<ConfigError>(words.next().empty(), "{}: line {}: found more values than {} rows of {}",
-                       path, words.line(), raster.rows, raster.columns);
+  const bool is_end = words.next().empty();
+  require<ConfigError>(is_end, "{}: line {}: found more values than {} rows of {}", path,
+                       words.line(), raster.rows, raster.columns);
   return raster;
 }
 
 double Raster::at(const Vector<2>& x) const {
-  const auto [i, a] = place_between(x[0], low[0], spacing, columns);
-  const auto [j, b] = place_between(x[1], low[1], spacing, rows);
-  require<ConfigError>(i >= 0 && j >= 0, [&] {
+  const PlaceBetween i = place_between(x[0], low[0], spacing, columns);
+  const PlaceBetween j = place_between(x[1], low[1], spacing, rows);
+  require<ConfigError>(i.first >= 0 && j.first >= 0, [&] {
     return fmt::format(
         "{}: it reaches from ({:.9g}, {:.9g}) to ({:.9g}, {:.9g}) in coordinates of the scene "
         "(the centres of its cells), found a point at ({:.9g}, {:.9g})",
         path, low[0], low[1], low[0] + (columns - 1) * spacing, low[1] + (rows - 1) * spacing, x[0],
         x[1]);
   });
-  double sum = 0;
-  for (const int dj : {0, 1}) {
-    for (const int di : {0, 1}) {
-      const double weight = (di ? a : 1 - a) * (dj ? b : 1 - b);
-      if (weight == 0) continue;  // a neighbour that does not count may have no data
-      const double value = values[static_cast<std::size_t>(j + dj) * columns + i + di];
-      require<ConfigError>(!std::isnan(value),
-                           "{}: no data in row {}, column {}, which a point at ({:.9g}, {:.9g}) "
-                           "needs",
-                           path, rows - (j + dj), i + di + 1, x[0], x[1]);
-      sum += weight * value;
-    }
-  }
-  return sum;
+  const auto value = [&](int row, int column) {
+    const double found = values[static_cast<std::size_t>(row) * columns + column];
+    require<ConfigError>(!std::isnan(found),
+                         "{}: no data in row {}, column {}, which a point at ({:.9g}, {:.9g}) "
+                         "needs",
+                         path, rows - row, column + 1, x[0], x[1]);
+    return found;
+  };
+  return between(j, [&](int dj) {
+    return between(i, [&](int di) { return value(j.first + dj, i.first + di); });
+  });
 }
 
 }  // namespace gabion::mpm

@@ -44,11 +44,8 @@ Columns read_columns(ConfigReader& in, const std::string& key, const char* what)
     columns.first.push_back(row[0]);
     columns.second.push_back(row[1]);
   }
+  if (columns.first.size() < 2) in.fail(key, "found one row, allowed: at least 2 rows");
   return columns;
-}
-
-double between(const std::vector<double>& values, const PlaceBetween& place) {
-  return (1 - place.share) * values[place.first] + place.share * values[place.first + 1];
 }
 
 KeyTable correlation_keys() {
@@ -213,7 +210,7 @@ double HeightSurface<dim>::at(const Vector<dim>& x) const {
   require<ConfigError>(place.first >= 0,
                        "{}: found a line from x = {} to {}, which does not reach a point at x = {}",
                        line.where, line.x.front(), line.x.back(), x[0]);
-  return between(line.height, place);
+  return between(place, [&](int k) { return line.height[place.first + k]; });
 }
 
 template <int dim>
@@ -224,7 +221,7 @@ double DepthTable<dim>::at(const Vector<dim>& x) const {
                        "{}: found depths from {} to {}, and a point in the depth {:.9g}; allowed: "
                        "rows for all depths of the soil",
                        where, depth.front(), depth.back(), d);
-  return between(value, place);
+  return between(place, [&](int k) { return value[place.first + k]; });
 }
 
 template <int dim>

@@ -19,7 +19,8 @@ PROGRAMS = Path(sys.argv.pop(1)).resolve()
 
 
 def box(high: list[float], cells: list[int]) -> dict:
-    return {"box": {"low": [0] * len(high), "high": high, "cells": cells, "type": "quad4" if len(high) == 2 else "hex8"}}
+    kind = "quad4" if len(high) == 2 else "hex8"
+    return {"box": {"low": [0] * len(high), "high": high, "cells": cells, "type": kind}}
 
 
 def scene(dim: int, cohesion: object) -> dict:
@@ -29,7 +30,7 @@ def scene(dim: int, cohesion: object) -> dict:
     return {"dimension": dim, "grid": shape,
             "bodies": [{"name": "soil", "mesh": shape, "points_per_cell": 2**dim,
                         "material": {**material, "cohesion": cohesion}}],
-            "time": {"dt": 1, "end": 1}, "output": {"interval": 1}}
+            "time": {"dt": 1, "dt_min": 0.1, "end": 1}, "output": {"interval": 1}}
 
 
 BY_DEPTH = {"by_depth": [[0, 1e4], [2, 3e4]], "below": 2}

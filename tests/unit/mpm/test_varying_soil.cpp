@@ -68,7 +68,7 @@ TEST(VaryingSoil, equal_values_give_the_same_bits) {
     expect_same_run(scene, with_equal_values(scene), 15);
   }
   Json scene = collapse_scene({});
-  scene["phases"] = {{{"integration", "explicit"}}};
+  scene["time_integration"] = {{"scheme", "explicit"}};
   scene["small_cuts"] = {{"method", "none"}};
   for (const char* key : {"newton", "linear_solver"}) scene.erase(key);
   expect_same_run(scene, with_equal_values(scene), 15);
@@ -77,19 +77,25 @@ TEST(VaryingSoil, equal_values_give_the_same_bits) {
 /// Laws with memory and laws that see the size of the step.
 TEST(VaryingSoil, equal_values_of_other_laws_give_the_same_bits) {
   if (size() > 1) return;
-  Json scene = collapse_scene({});
-  Json& material = scene["bodies"][0]["material"];
-  material["cohesion"] = 500;
-  material["softening"] = {{"slip", 0.1}, {"residual_cohesion", 200}};
-  Json& mud = scene["bodies"][1]["material"];
-  mud = elastic_soil("herschel_bulkley", 2e5, 0.3, 1500);
-  mud["yield_stress"] = 100;
-  mud["consistency"] = 50;
-  Json varying = with_equal_values(scene);
-  for (const char* key : {"yield_stress", "consistency"}) {
-    varying["bodies"][1]["material"][key] = everywhere(mud[key].get<double>());
+  Json softens = collapse_scene({}), flows = softens;
+  for (int b : {0, 1}) {
+    Json& soil = softens["bodies"][b]["material"];
+    soil["cohesion"] = 500;
+    soil["softening"] = {{"slip", 0.1}, {"residual_cohesion", 200}};
+    Json& mud = flows["bodies"][b]["material"];
+    mud = elastic_soil("herschel_bulkley", 2e5, 0.3, 1500);
+    mud["yield_stress"] = 100;
+    mud["consistency"] = 50;
   }
-  expect_same_run(scene, varying, 10);
+  expect_same_run(softens, with_equal_values(softens), 10);
+  Json varying = with_equal_values(flows);
+  for (Json& each : varying["bodies"]) {
+    Json& mud = each["material"];
+    for (const char* key : {"yield_stress", "consistency"}) {
+      mud[key] = everywhere(mud[key].get<double>());
+    }
+  }
+  expect_same_run(flows, varying, 10);
 }
 
 /// A body with layers is two bodies with a material each, on the same points. Batches have other
@@ -98,6 +104,7 @@ TEST(VaryingSoil, layers_are_bodies) {
   if (size() > 1) return;
   for (const char* basis : {"linear", "gimp"}) {
     Json scene = collapse_scene({.basis = basis});
+    scene["quadrature"] = "points";  // which cells are full is found for each body
     Json& lower = scene["bodies"][0]["material"];
     const Json upper = lower;
     lower["cohesion"] = 500;
@@ -123,7 +130,7 @@ TEST(VaryingSoil, layers_are_bodies) {
         yielded = std::max(yielded, b.history[q].plastic_strain);
       }
     }
-    EXPECT_LT(largest, 1e-8) << basis;
+    EXPECT_LT(largest, 1e-8) << basis << " " << yielded;
     EXPECT_GT(yielded, 1e-3);
   }
 }
@@ -214,7 +221,7 @@ TEST(VaryingSoil, initial_stress) {
     // e of Hooke's law with the modulus of the point, in Hencky strains.
     const double E = 2e7 + 6e7 * depth;
     const double strain = (points.tau[p][1] - 0.3 * (points.tau[p][0] + points.tau[p][2])) / E;
-    EXPECT_NEAR(0.5 * std::log1p(2 * points.history[p].e[1]), strain, 1e-2 * std::abs(strain));
+    EXPECT_NEAR(0.5 * std::log1p(points.history[p].e[1]), strain, 1e-2 * std::abs(strain));
   }
   soil["initial_stress"]["k0"] = "jaky";
   expect_error<ConfigError>([&] { make_mpm(scene); },
