@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/log.hpp"
+#include "common/mechanics/mesh/mesh_box.hpp"
 #include "common/settings/plausible.hpp"
 #include "mpm_solver/boulders/boulder_config.hpp"
 #include "mpm_solver/checks/cell_filling.hpp"
@@ -139,9 +140,20 @@ void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
                       widest));
 }
 
+// The pressure of water that drains is smoothed by the stiffness of the body's skeleton.
+template <int dim>
+void require_one_stiffness(const ConfigReader& in, const Body<dim>& body) {
+  if (!body.water->drains()) return;
+  if (std::ranges::find(body.varying, "young_modulus") == body.varying.end()) return;
+  in.fail("material/young_modulus",
+          "found values that vary beside \"water\" that drains, allowed: a number, or water "
+          "without \"permeability\"");
+}
+
 template <int dim>
 void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
   settings.bodies_where = in.where("bodies");
+  const Vector<dim> origin = to_vector<dim>(in.vector("origin", dim));
   auto items = in.objects("bodies");
   if (items.empty()) in.fail("bodies", "found an empty list, allowed: at least one body");
   for (auto& item : items) {
@@ -161,11 +173,15 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     layout.with_domains = settings.grid.basis == Basis::gimp;
     if (layout.with_domains) check_domains(item, layout, settings.grid.box->spacing);
     layout.velocity = to_vector<dim>(item.vector("velocity", dim));
-    body.material = read_material<dim>(item.object("material"));
+    const SourcePlace<dim> place{
+        .scene = scene, .body = body.name, .box = box_around(layout.mesh), .origin = origin};
+    settings.varying.push_back(
+        read_body_material<dim>(item.object("material"), place, b, layout, body));
     settings.initial_stress.emplace_back();
     if (auto water = item.optional_object("water")) {
       body.water =
           read_body_water(std::move(*water), body.material.density, skeleton_modulus(body));
+      require_one_stiffness(item, body);
     }
     if (auto stress = item.optional_object("initial_stress")) {
       settings.initial_stress.back() = read_initial_stress<dim>(*stress, body);
@@ -329,7 +345,6 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   for (auto& body : settings.bodies) {
     if (body.water) body.water->specific_weight = body.water->density * settings.gravity.norm();
   }
-  in.vector("origin", dim);
   read_motion(in, settings);
   settings.quadrature = read_quadrature(in, settings);
   settings.locking = read_locking(in.object("locking"), settings);

@@ -13,6 +13,7 @@
 #include "mpm_solver/contact/body_groups.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
 #include "mpm_solver/gauges/gauge.hpp"
+#include "mpm_solver/parameters/point_laws.hpp"
 #include "mpm_solver/phases/phases.hpp"
 #include "mpm_solver/points/initial_stress.hpp"
 #include "mpm_solver/points/material_points.hpp"
@@ -36,6 +37,7 @@ template <int dim>
 struct MpmSettings {
   BackgroundGrid<dim> grid;
   std::vector<Body<dim>> bodies;
+  VaryingMaterials<dim> varying;          ///< of each body; shorter: none of the others has any
   std::string bodies_where;               ///< their place in the config, for error messages
   std::vector<PointLayout<dim>> layouts;  ///< of each body
   std::vector<std::optional<InitialStress>> initial_stress;  ///< of each body

@@ -26,7 +26,7 @@ KeyTable body_keys() {
                .or_computed("`regular` with `basis` `gimp` in quad4 and hex8, else `gauss`"),
            key::vector("velocity", "m/s", "At the start; zero where the run starts quasi-static.")
                .or_else(0),
-           key::object("material", material_keys(material_laws), "Law and constants."),
+           key::object("material", varying_material_keys(material_laws), "Law and constants."),
            key::object("water", body_water_keys(), "Pore water; none: dry.").or_none(),
            key::object("initial_stress", initial_stress_keys(),
                        "Geostatic stress at the start; none: free of stress.")

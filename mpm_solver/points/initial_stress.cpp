@@ -33,7 +33,8 @@ double first_lame_constant(const MaterialLaw<dim>& law) {
 }
 
 template <int dim>
-double normally_consolidated(ConfigReader& in, const Material<dim>& material, double elastic) {
+double normally_consolidated(ConfigReader& in, const Body<dim>& body, double elastic) {
+  const Material<dim>& material = body.material;
   if (!in.is_text("k0")) return in.number("k0");
   if (in.choice("k0") == "elastic") return elastic;
   const double angle = std::visit(
@@ -47,6 +48,10 @@ double normally_consolidated(ConfigReader& in, const Material<dim>& material, do
         }
       },
       material.law);
+  if (std::ranges::find(body.varying, "friction_angle") != body.varying.end()) {
+    in.fail("k0",
+            "found \"jaky\" with a friction_angle that varies, allowed: a number, or \"elastic\"");
+  }
   if (angle <= 0) {
     in.fail("k0",
             fmt::format("found \"jaky\" with the law {}, allowed: a law with a friction angle",
@@ -159,10 +164,10 @@ Geostatic<dim> skeleton_at_rest(const MaterialLaw<dim>& law, const InitialStress
 }
 
 template <int dim>
-Geostatic<dim> geostatic(const InitialStress& stress, const BodyAtRest<dim>& at_rest, double d) {
+Geostatic<dim> geostatic(const InitialStress& stress, const BodyAtRest<dim>& at_rest,
+                         const MaterialLaw<dim>& law, double d) {
   const Body<dim>& body = at_rest.body;
-  auto soil =
-      skeleton_at_rest<dim>(body.material.law, stress, load_on_skeleton(stress, at_rest, d));
+  auto soil = skeleton_at_rest<dim>(law, stress, load_on_skeleton(stress, at_rest, d));
   soil.density = body.material.density;
   if (!body.water) return soil;
   const PoreWater& water = *body.water;
@@ -249,7 +254,7 @@ InitialStress read_initial_stress(ConfigReader in, const Body<dim>& body) {
   const double elastic = lambda / (lambda + 2 * mu);
   stress.where = in.where("k0");
   stress.where_surface = in.where("surface");
-  stress.k0 = normally_consolidated(in, material, elastic);
+  stress.k0 = normally_consolidated(in, body, elastic);
   stress.k0_consolidated = stress.k0;
   stress.ocr = in.number("ocr");
   stress.k0 = stress.ocr * stress.k0 - (stress.ocr - 1) * elastic;
@@ -305,19 +310,21 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
   for (std::int32_t p = points.body_starts[at_rest.number];
        p < points.body_starts[at_rest.number + 1]; ++p) {
     const double d = stress.surface - points.x[p][dim - 1];
-    const auto soil = geostatic<dim>(stress, at_rest, d);
+    const bool own = !at_rest.laws.empty() && at_rest.laws[p] != nullptr;
+    const MaterialLaw<dim>& law = own ? *at_rest.laws[p] : body.material.law;
+    const auto soil = geostatic<dim>(stress, at_rest, law, d);
     StressUpdate<dim> now;
-    const bool borne_by_law = d >= 0 && bears(body.material.law, soil, now) &&
+    const bool borne_by_law = d >= 0 && bears(law, soil, now) &&
                               (now.tau - soil.tau).norm() <= same_stress * soil.tau.norm();
     if (!borne_by_law) {
       const std::string place =
           fmt::format("material point {} at ({:.4g})", points.id[p],
                       fmt::join(points.x[p].data(), points.x[p].data() + dim, ", "));
-      problem = d < 0 ? fmt::format("{}: found {}, but {} lies above it", stress.where_surface,
-                                    stress.surface, place)
-                      : fmt::format(
-                            "{}: found k0 = {:.6g}, under which {} would yield, allowed: {}",
-                            stress.where, stress.k0, place, borne<dim>(body.material.law, soil.s));
+      problem = d < 0
+                    ? fmt::format("{}: found {}, but {} lies above it", stress.where_surface,
+                                  stress.surface, place)
+                    : fmt::format("{}: found k0 = {:.6g}, under which {} would yield, allowed: {}",
+                                  stress.where, stress.k0, place, borne<dim>(law, soil.s));
       break;
     }
     points.V0[p] /= soil.J;
@@ -344,7 +351,7 @@ Vector<dim> initial_stress_at(const InitialStress& stress, const BodyAtRest<dim>
                               double height) {
   const double d = stress.surface - height;
   if (d <= 0) return Vector<dim>::Zero();
-  const auto soil = geostatic<dim>(stress, at_rest, d);
+  const auto soil = geostatic<dim>(stress, at_rest, at_rest.body.material.law, d);
   return soil.total_tau().template head<dim>() / soil.J;
 }
 

@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "common/settings/config_reader.hpp"
@@ -49,8 +50,9 @@ void take_water_table(const ConfigReader& in, const Mesh<dim>& mesh, const Initi
 template <int dim>
 struct BodyAtRest {
   const Body<dim>& body;
-  std::int32_t number = 0;                    ///< of the body
-  Vector<dim> gravity = Vector<dim>::Zero();  ///< downwards along the last axis [m/s^2]
+  std::int32_t number = 0;                             ///< of the body
+  Vector<dim> gravity = Vector<dim>::Zero();           ///< downwards along the last axis [m/s^2]
+  std::span<const MaterialLaw<dim>* const> laws = {};  ///< of the points, see StressParts::laws
 };
 
 /// Put the points of one body under geostatic stress. Their positions are those of the stressed
@@ -60,7 +62,8 @@ struct BodyAtRest {
 ///
 /// d the depth, C = (3 lambda + 2 mu) / (1 + 2 K0) and J = exp(-s / C): the exact solution of
 /// d sigma_v / dy = rho g / J, sigma = tau / J, for Hencky elasticity. The linear elastic law knows
-/// no change of volume: J = 1, s = rho g d. Elastic strains follow from Hooke's law.
+/// no change of volume: J = 1, s = rho g d. Elastic strains follow from Hooke's law. Where Young's
+/// modulus varies, C is that of the point: the stress is then in balance but for the strains.
 ///
 /// With pore water and its table at the depth d_w, w = <d - d_w> below it, this is the stress of
 /// the skeleton, and

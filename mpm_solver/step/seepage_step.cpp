@@ -50,7 +50,8 @@ StressParts<dim> SeepageStep<dim>::stress_parts() const {
           .points = this->parts_.state.points,
           .weights = this->parts_.soil.weights(),
           .nodes = this->parts_.soil.nodes(),
-          .trial = this->parts_.trial};
+          .trial = this->parts_.trial,
+          .laws = this->parts_.soil.laws().of_points()};
 }
 
 template <int dim>

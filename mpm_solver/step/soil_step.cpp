@@ -269,7 +269,8 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   const std::vector<std::int32_t> cell_n = points.cell;
   const auto outside = find_cells(model_.grid, points);
   if (model_.settings.locking.average_volumes) {
-    end.balance.sharing_loss = share_volumes(state_.ranks.owners(), model_.settings.bodies, points);
+    end.balance.sharing_loss = share_volumes(state_.ranks.owners(), model_.settings.bodies, points,
+                                             soil_.laws().of_points());
   }
   state_.gauges.add_step(x_n, points, start_.dt);
   state_.ledger.add_step(end.balance, start_.scheme, start_.dt, end.plastic_work, points);

@@ -130,7 +130,9 @@ class PointStresses {
         batch.state_n[l] = &state_of(parts, parts.weights.point[entry(b, l)]);
       }
       batch.out = n == Batch::size ? place(parts, entry(b, 0)) : spare_.place();
-      const int refused = update(parts, law, b, with_A);
+      const Law* shared = shared_law(parts, law, b);
+      const int refused =
+          shared ? update(parts, *shared, b, with_A) : update_each(parts, law, b, with_A);
       if (refused < n) {
         worst = {parts.weights.point[entry(b, refused)], refusal_};
         return false;
@@ -241,6 +243,41 @@ class PointStresses {
       require(parts.context != nullptr, "mpm_solver: a law that depends on the step without one");
     }
     return update_lanes(parts, law, b, with_A);
+  }
+
+  // The law that all points of a batch have, null: their constants differ.
+  template <class Law>
+  const Law* shared_law(const StressParts<dim>& parts, const Law& own, std::size_t b) const {
+    if (parts.laws.empty()) return &own;
+    const Law* first = &parts.law_of(parts.weights.point[entry(b, 0)], own);
+    for (int l = 1; l < Batch::size; ++l) {
+      if (&parts.law_of(parts.weights.point[entry(b, l)], own) != first) return nullptr;
+    }
+    return first;
+  }
+
+  // The same where each point has its own law.
+  template <class Law>
+  int update_each(const StressParts<dim>& parts, const Law& own, std::size_t b, bool with_A) {
+    Batch& batch = batches_[b];
+    refusal_ = Refusal::squeezed;
+    require(!ContextualLaw<Law, dim> || parts.context != nullptr,
+            "mpm_solver: a law that depends on the step without one");
+    StressUpdate<dim> found;
+    Tangent<dim> A;
+    for (int l = 0; l < points_of(b); ++l) {
+      const std::int32_t e = entry(b, l);
+      LawInStep<Law, dim> in_step{parts.law_of(parts.weights.point[e], own), {}};
+      if constexpr (ContextualLaw<Law, dim>) in_step.context = context_of<Law>(parts, e);
+      if (!in_step.update(batch.gradient(l), *batch.state_n[l], found, with_A ? &A : nullptr)) {
+        refusal_ = found.refusal;
+        return l;
+      }
+      batch.set(l, found, with_A ? &A : nullptr);
+      if (batch.out.J[l] < min_J_ratio) return l;
+      if constexpr (RemembersInternal<Law>) parts.trial.internal[e] = found.internal;
+    }
+    return points_of(b);
   }
 
   // Lane by lane, but for those that a law with internal variables finds elastic at once:
