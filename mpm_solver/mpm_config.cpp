@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/log.hpp"
+#include "common/mechanics/materials/read_umat.hpp"
 #include "common/settings/plausible.hpp"
 #include "mpm_solver/boulders/boulder_config.hpp"
 #include "mpm_solver/checks/cell_filling.hpp"
@@ -161,7 +162,7 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     layout.with_domains = settings.grid.basis == Basis::gimp;
     if (layout.with_domains) check_domains(item, layout, settings.grid.box->spacing);
     layout.velocity = to_vector<dim>(item.vector("velocity", dim));
-    body.material = read_material<dim>(item.object("material"));
+    body.material = read_material_in<dim>(scene.folder(), item.object("material"));
     settings.initial_stress.emplace_back();
     if (auto water = item.optional_object("water")) {
       body.water =

@@ -37,6 +37,7 @@ MaterialPoints<dim> lay_all_points(const SoilModel<dim>& model) {
   add_water<dim>(settings.bodies, points);
   if (settings.tpic) add_gradients(points);
   if (model.remembers_internal) add_internal(points);
+  add_variables<dim>(settings.bodies, points);
   const Phase& phase = settings.phases.front();
   const Vector<dim> gravity = phase.gravity_ramp.at(0) * settings.gravity;
   // Free of stress, so gravity is the acceleration at the start; the walls take their part of it.
@@ -316,6 +317,13 @@ void SoilState<dim>::take(StateVisitor& visitor, const SoilModel<dim>& model) {
             "variables",
             points.internal.size(), points.id.size(),
             model.remembers_internal ? "with" : "without");
+    const bool any_umat = std::ranges::any_of(model.settings.bodies, [](const auto& body) {
+      return std::holds_alternative<Umat<dim>>(body.material.law);
+    });
+    require(
+        points.variables.size() == (any_umat ? points.id.size() : 0),
+        "saved state: points.variables: found {} values for {} points and bodies {} the law umat",
+        points.variables.size(), points.id.size(), any_umat ? "with" : "without");
     require_below<std::int64_t>("probe_ids", 0, probe_ids, points.body_ids.back());
     order_points(0, points);
     require(std::ranges::adjacent_find(points.id) == points.id.end(),

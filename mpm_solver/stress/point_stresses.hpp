@@ -136,7 +136,7 @@ class PointStresses {
         return false;
       }
       if constexpr (!Law::is_elastic) {
-        if (parts.has_path()) advance(parts, batch, b);
+        if (parts.has_path()) advance<Law>(parts, batch, b);
       }
       if (n < Batch::size) spare_.copy(n, place(parts, entry(b, 0)));
     }
@@ -170,16 +170,29 @@ class PointStresses {
   template <class Law>
   PointContext context_of(const StressParts<dim>& parts, std::int32_t e) const {
     if constexpr (!ContextualLaw<Law, dim>) return {};
-    if constexpr (!RemembersInternal<Law>) return {.dt = parts.context->dt};
     const std::int32_t p = parts.weights.point[e];
+    if constexpr (HasVariables<Law>) {
+      PointContext context = parts.context->of_point(parts.points, p);
+      context.variables = parts.has_path() ? parts.path->variables[p] : parts.points.variables[p];
+      context.new_variables = parts.trial.variables[e];
+      return context;
+    }
+    if constexpr (!RemembersInternal<Law>) return {.dt = parts.context->dt};
     PointContext context = parts.context->of_point(parts.points, p);
     if (parts.has_path()) context.internal = parts.path->internal[p];
     return context;
   }
   // The next substep begins at this one's end. A state that stayed elastic is the one it was.
+  template <class Law>
   void advance(const StressParts<dim>& parts, const Batch& batch, std::size_t b) const {
     for (int l = 0; l < points_of(b); ++l) {
       const std::int32_t p = parts.weights.point[entry(b, l)];
+      if constexpr (HasVariables<Law>) {
+        parts.path->history[p] = batch.out.state[l];
+        parts.path->variables[p] = parts.trial.variables[entry(b, l)];
+        parts.path->F[p] = Matrix<dim>::Identity() + batch.gradient(l);
+        continue;
+      }
       MaterialState<dim>& state = parts.path->history[p];
       if (batch.out.region[l] == YieldRegion::elastic && state.gap == 0) continue;
       state = batch.out.state[l];
@@ -243,6 +256,26 @@ class PointStresses {
     return update_lanes(parts, law, b, with_A);
   }
 
+  // The law of a point. A law with state variables sees the increment since the last substep.
+  template <class Law>
+  static bool update_point(const StressParts<dim>& parts, const LawInStep<Law, dim>& law,
+                           std::int32_t e, const Matrix<dim>& H, StressUpdate<dim>& found,
+                           Tangent<dim>* A) {
+    const std::int32_t p = parts.weights.point[e];
+    if constexpr (HasVariables<Law>) {
+      if (parts.has_path()) {
+        require(A == nullptr, "mpm_solver: a tangent in a substep");
+        const Matrix<dim> before = parts.path->F[p], inverse = before.inverse();
+        const Matrix<dim> increment = (Matrix<dim>::Identity() + H - before) * inverse;
+        if (!law.update(increment, state_of(parts, p), found, A)) return false;
+        found.P = (found.P * inverse.transpose()).eval();
+        found.J *= before.determinant();
+        return true;
+      }
+    }
+    return law.update(H, state_of(parts, p), found, A);
+  }
+
   // Lane by lane, but for those that a law with internal variables finds elastic at once:
   // update_elastic(contexts, batch, with_A) returns which they are.
   template <class Law>
@@ -263,7 +296,8 @@ class PointStresses {
     for (int l = 0; l < n; ++l) {
       if constexpr (ContextualLaw<Law, dim>) in_step.context = contexts[l];
       if (!done[l]) {
-        if (!in_step.update(batch.gradient(l), *batch.state_n[l], found, with_A ? &A : nullptr)) {
+        if (!update_point(parts, in_step, entry(b, l), batch.gradient(l), found,
+                          with_A ? &A : nullptr)) {
           refusal_ = found.refusal;
           return l;
         }
