@@ -299,9 +299,11 @@ bool bears(const Umat<dim>& law, const Geostatic<dim>& soil, StateVariables& var
   Symmetric<dim> log_strain = Symmetric<dim>::Zero();
   for (int i = 0; i < 3; ++i) log_strain[i] = hencky_strain(soil.state.e[i]);
   StateVariables before;
-  law.set_start(soil.tau, log_strain, before);
-  return law.update({.variables = before, .new_variables = variables}, Matrix<dim>::Zero(),
-                    soil.state, now, nullptr);
+  law.set_start(soil.tau, log_strain, numbers_of(before));
+  const PointContext at_rest{.variables = numbers_of(before),
+                             .new_variables = numbers_of(variables)};
+  const Matrix<dim> still = Matrix<dim>::Zero();
+  return law.update(at_rest, still, soil.state, now, nullptr);
 }
 
 template <int dim>

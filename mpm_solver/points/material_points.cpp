@@ -218,7 +218,7 @@ void add_variables(const std::vector<Body<dim>>& bodies, MaterialPoints<dim>& po
     if (law == nullptr) continue;
     points.variables.resize(points.x.size(), StateVariables::Zero());
     for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
-      law->set_start(points.variables[p]);
+      law->set_start(numbers_of(points.variables[p]));
     }
   }
 }

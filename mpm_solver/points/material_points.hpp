@@ -28,6 +28,12 @@ struct Body {
 
 /// What a point remembers of a law from a library (Umat).
 using StateVariables = Eigen::Matrix<double, umat_state_size, 1>;
+inline std::span<double> numbers_of(StateVariables& variables) {
+  return {variables.data(), umat_state_size};
+}
+inline std::span<const double> numbers_of(const StateVariables& variables) {
+  return {variables.data(), umat_state_size};
+}
 
 /// Values of the parameters of a material that vary in space, at a point; unused ones are 0.
 using VaryingParameters = Eigen::Vector4d;

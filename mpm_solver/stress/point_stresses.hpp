@@ -173,8 +173,9 @@ class PointStresses {
     const std::int32_t p = parts.weights.point[e];
     if constexpr (HasVariables<Law>) {
       PointContext context = parts.context->of_point(parts.points, p);
-      context.variables = parts.has_path() ? parts.path->variables[p] : parts.points.variables[p];
-      context.new_variables = parts.trial.variables[e];
+      const auto& start = parts.has_path() ? parts.path->variables : parts.points.variables;
+      context.variables = numbers_of(start[p]);
+      context.new_variables = numbers_of(parts.trial.variables[e]);
       return context;
     }
     if constexpr (!RemembersInternal<Law>) return {.dt = parts.context->dt};

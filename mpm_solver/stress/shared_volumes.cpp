@@ -208,7 +208,8 @@ double change_volume(const LawInStep<Law, dim>& law, double d, std::int32_t p,
   StressUpdate<dim> stress;
   if constexpr (HasVariables<Law>) {
     const StateVariables before = points.variables[p];
-    const PointContext at_once{.variables = before, .new_variables = points.variables[p]};
+    const PointContext at_once{.variables = numbers_of(before),
+                               .new_variables = numbers_of(points.variables[p])};
     require(law.law.strain_evenly(at_once, d, stress),
             "mpm_solver: the UMAT gives no stress for a volumetric strain of {:.3g} in no time "
             "(DTIME 0), which F-bar asks for where points enter other cells; \"locking\": "
