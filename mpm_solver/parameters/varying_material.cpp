@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/require.hpp"
+#include "common/mechanics/materials/read_umat.hpp"
 
 namespace gabion::mpm {
 
@@ -315,8 +316,11 @@ std::shared_ptr<const VaryingMaterial<dim>> read_body_material(ConfigReader in,
                    });
   if (!any) {
     in.has("layers");
-    body.material = read_material<dim>(std::move(in));
+    body.material = read_material_in<dim>(place.scene.folder(), std::move(in));
     return nullptr;
+  }
+  if (in.choice("law") == "umat") {
+    in.fail("law", "found \"umat\" with constants that vary, allowed: a law of the project's own");
   }
   auto varying = std::make_shared<VaryingMaterial<dim>>();
   VaryingReader<dim> reader{place, layout, *varying};

@@ -297,6 +297,20 @@ bool bears(const MaterialLaw<dim>& law, const Geostatic<dim>& soil, StressUpdate
   return update<dim>(law, still, soil.state, now, nullptr);
 }
 
+// The same of a user material, whose memory then holds the stress.
+template <int dim>
+bool bears(const Umat<dim>& law, const Geostatic<dim>& soil, StateVariables& variables,
+           StressUpdate<dim>& now) {
+  Symmetric<dim> log_strain = Symmetric<dim>::Zero();
+  for (int i = 0; i < 3; ++i) log_strain[i] = hencky_strain(soil.state.e[i]);
+  StateVariables before;
+  law.set_start(soil.tau, log_strain, numbers_of(before));
+  const PointContext at_rest{.variables = numbers_of(before),
+                             .new_variables = numbers_of(variables)};
+  const Matrix<dim> still = Matrix<dim>::Zero();
+  return law.update(at_rest, still, soil.state, now, nullptr);
+}
+
 template <int dim>
 void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAtRest<dim>& at_rest,
                         MaterialPoints<dim>& points) {
@@ -314,8 +328,11 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
     const MaterialLaw<dim>& law = own ? *at_rest.laws[p] : body.material.law;
     const auto soil = geostatic<dim>(stress, at_rest, law, d);
     StressUpdate<dim> now;
-    const bool borne_by_law = d >= 0 && bears(law, soil, now) &&
-                              (now.tau - soil.tau).norm() <= same_stress * soil.tau.norm();
+    const auto* umat = std::get_if<Umat<dim>>(&law);
+    const bool has_stress =
+        d >= 0 && (umat ? bears(*umat, soil, points.variables[p], now) : bears(law, soil, now));
+    const bool borne_by_law =
+        has_stress && (now.tau - soil.tau).norm() <= same_stress * soil.tau.norm();
     if (!borne_by_law) {
       const std::string place =
           fmt::format("material point {} at ({:.4g})", points.id[p],

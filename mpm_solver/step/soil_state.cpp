@@ -38,6 +38,7 @@ MaterialPoints<dim> lay_all_points(const SoilModel<dim>& model) {
   add_water<dim>(settings.bodies, points);
   if (settings.tpic) add_gradients(points);
   if (model.remembers_internal) add_internal(points);
+  add_variables<dim>(settings.bodies, points);
   add_parameters<dim>(settings.varying, points);
   PointLaws<dim> laws(settings.varying);
   if (model.stressed) laws.follow(points);
@@ -329,6 +330,13 @@ void SoilState<dim>::take(StateVisitor& visitor, const SoilModel<dim>& model) {
             "saved state: points.parameters: found {} values for {} points and bodies {} constants "
             "that vary",
             points.parameters.size(), points.id.size(), any_varies ? "with" : "without");
+    const bool any_umat = std::ranges::any_of(model.settings.bodies, [](const auto& body) {
+      return std::holds_alternative<Umat<dim>>(body.material.law);
+    });
+    require(
+        points.variables.size() == (any_umat ? points.id.size() : 0),
+        "saved state: points.variables: found {} values for {} points and bodies {} the law umat",
+        points.variables.size(), points.id.size(), any_umat ? "with" : "without");
     require_below<std::int64_t>("probe_ids", 0, probe_ids, points.body_ids.back());
     order_points(0, points);
     require(std::ranges::adjacent_find(points.id) == points.id.end(),

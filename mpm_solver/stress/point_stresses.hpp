@@ -138,7 +138,7 @@ class PointStresses {
         return false;
       }
       if constexpr (!Law::is_elastic) {
-        if (parts.has_path()) advance(parts, batch, b);
+        if (parts.has_path()) advance<Law>(parts, batch, b);
       }
       if (n < Batch::size) spare_.copy(n, place(parts, entry(b, 0)));
     }
@@ -172,16 +172,30 @@ class PointStresses {
   template <class Law>
   PointContext context_of(const StressParts<dim>& parts, std::int32_t e) const {
     if constexpr (!ContextualLaw<Law, dim>) return {};
-    if constexpr (!RemembersInternal<Law>) return {.dt = parts.context->dt};
     const std::int32_t p = parts.weights.point[e];
+    if constexpr (HasVariables<Law>) {
+      PointContext context = parts.context->of_point(parts.points, p);
+      const auto& start = parts.has_path() ? parts.path->variables : parts.points.variables;
+      context.variables = numbers_of(start[p]);
+      context.new_variables = numbers_of(parts.trial.variables[e]);
+      return context;
+    }
+    if constexpr (!RemembersInternal<Law>) return {.dt = parts.context->dt};
     PointContext context = parts.context->of_point(parts.points, p);
     if (parts.has_path()) context.internal = parts.path->internal[p];
     return context;
   }
   // The next substep begins at this one's end. A state that stayed elastic is the one it was.
+  template <class Law>
   void advance(const StressParts<dim>& parts, const Batch& batch, std::size_t b) const {
     for (int l = 0; l < points_of(b); ++l) {
       const std::int32_t p = parts.weights.point[entry(b, l)];
+      if constexpr (HasVariables<Law>) {
+        parts.path->history[p] = batch.out.state[l];
+        parts.path->variables[p] = parts.trial.variables[entry(b, l)];
+        parts.path->F[p] = Matrix<dim>::Identity() + batch.gradient(l);
+        continue;
+      }
       MaterialState<dim>& state = parts.path->history[p];
       if (batch.out.region[l] == YieldRegion::elastic && state.gap == 0) continue;
       state = batch.out.state[l];
@@ -245,6 +259,26 @@ class PointStresses {
     return update_lanes(parts, law, b, with_A);
   }
 
+  // The law of a point. A law with state variables sees the increment since the last substep.
+  template <class Law>
+  static bool update_point(const StressParts<dim>& parts, const LawInStep<Law, dim>& law,
+                           std::int32_t e, const Matrix<dim>& H, StressUpdate<dim>& found,
+                           Tangent<dim>* A) {
+    const std::int32_t p = parts.weights.point[e];
+    if constexpr (HasVariables<Law>) {
+      if (parts.has_path()) {
+        require(A == nullptr, "mpm_solver: a tangent in a substep");
+        const Matrix<dim> before = parts.path->F[p], inverse = before.inverse();
+        const Matrix<dim> increment = (Matrix<dim>::Identity() + H - before) * inverse;
+        if (!law.update(increment, state_of(parts, p), found, A)) return false;
+        found.P = (found.P * inverse.transpose()).eval();
+        found.J *= before.determinant();
+        return true;
+      }
+    }
+    return law.update(H, state_of(parts, p), found, A);
+  }
+
   // The law that all points of a batch have, null: their constants differ.
   template <class Law>
   const Law* shared_law(const StressParts<dim>& parts, const Law& own, std::size_t b) const {
@@ -269,7 +303,7 @@ class PointStresses {
       const std::int32_t e = entry(b, l);
       LawInStep<Law, dim> in_step{parts.law_of(parts.weights.point[e], own), {}};
       if constexpr (ContextualLaw<Law, dim>) in_step.context = context_of<Law>(parts, e);
-      if (!in_step.update(batch.gradient(l), *batch.state_n[l], found, with_A ? &A : nullptr)) {
+      if (!update_point(parts, in_step, e, batch.gradient(l), found, with_A ? &A : nullptr)) {
         refusal_ = found.refusal;
         return l;
       }
@@ -300,7 +334,8 @@ class PointStresses {
     for (int l = 0; l < n; ++l) {
       if constexpr (ContextualLaw<Law, dim>) in_step.context = contexts[l];
       if (!done[l]) {
-        if (!in_step.update(batch.gradient(l), *batch.state_n[l], found, with_A ? &A : nullptr)) {
+        if (!update_point(parts, in_step, entry(b, l), batch.gradient(l), found,
+                          with_A ? &A : nullptr)) {
           refusal_ = found.refusal;
           return l;
         }

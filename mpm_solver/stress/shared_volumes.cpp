@@ -206,8 +206,19 @@ double change_volume(const LawInStep<Law, dim>& law, double d, std::int32_t p,
   MaterialState<dim> state = points.history[p];
   add_volumetric_strain(law.law, d, state);
   StressUpdate<dim> stress;
-  require(law.update(Matrix<dim>::Zero(), state, stress, nullptr),
-          "mpm_solver: a shared volume is inadmissible");
+  if constexpr (HasVariables<Law>) {
+    const StateVariables before = points.variables[p];
+    const PointContext at_once{.variables = numbers_of(before),
+                               .new_variables = numbers_of(points.variables[p])};
+    require(law.law.strain_evenly(at_once, d, stress),
+            "mpm_solver: the UMAT gives no stress for a volumetric strain of {:.3g} in no time "
+            "(DTIME 0), which F-bar asks for where points enter other cells; \"locking\": "
+            "{{\"method\": \"none\"}} does not",
+            d);
+  } else {
+    require(law.update(Matrix<dim>::Zero(), state, stress, nullptr),
+            "mpm_solver: a shared volume is inadmissible");
+  }
   const double lost = points.V0[p] * (points.energy[p] - stress.energy);
   points.history[p] = stress.state;
   if constexpr (RemembersInternal<Law>) points.internal[p] = stress.internal;

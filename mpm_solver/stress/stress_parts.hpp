@@ -25,6 +25,10 @@ template <int dim>
 struct MaterialPath {
   std::vector<MaterialState<dim>> history;
   std::vector<InternalState> internal;  ///< empty where MaterialPoints::internal is
+  /// State variables of a Umat, and 1 + H of the step up to here: such a law is not brought back.
+  /// Empty where MaterialPoints::variables is.
+  std::vector<StateVariables> variables;
+  std::vector<Matrix<dim>> F;
 };
 
 /// A material point whose law gives no stress.
