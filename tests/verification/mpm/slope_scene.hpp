@@ -30,7 +30,10 @@ inline GmshText bank_mesh(const Slope& slope) {
   const int along = static_cast<int>(std::lround(slope.crest / (2 * h)));
   const int rest = static_cast<int>(std::lround((slope.crest + cot * slope_height) / (2 * h)));
   const int row = along + rest + 1;
-  GmshText mesh{.groups = {{2, 1, "bank"}}, .entities = {{2, 1, {1}}}, .blocks = {{2, 1, 3, {}}}};
+  GmshText mesh;
+  mesh.groups = {{2, 1, "bank"}};
+  mesh.entities = {{2, 1, {1}}};
+  mesh.blocks = {{2, 1, 3, {}}};
   for (int j = 0; j <= slope.cells; ++j) {
     const double face = slope.toe + cot * j * h, end = face + along * h;
     for (int i = 0; i < row; ++i) {
@@ -67,7 +70,7 @@ inline Json slope_scene(const Slope& slope, const std::string& mesh, double from
   const auto number = [h](double length) { return static_cast<int>(std::lround(length / h)); };
   const Json material = slope_material(slope);
   const Json reduction = {
-      {"from", from}, {"increment", 0.1}, {"tolerance", 0.01}, {"max_displacement", 0.1}};
+      {"from", from}, {"increment", 0.1}, {"tolerance", 0.003}, {"max_displacement", 0.1}};
   return {{"dimension", 2},
           {"analysis", "quasi_static"},
           {"basis", "linear"},
