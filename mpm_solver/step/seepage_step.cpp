@@ -94,6 +94,7 @@ void SeepageStep<dim>::open_surface() {
   const auto& model = this->parts_.model;
   const bool meets_surfaces = sights_ && sights_->follow(this->parts_.state.surfaces);
   const SurroundingsOfSoil<dim> surroundings{
+      .comm = model.comm,
       .grid = model.grid,
       .points = this->parts_.state.points,
       .walls = model.settings.phases[this->start_.phase].walls,
@@ -177,7 +178,7 @@ StepEnd<dim> SeepageStep<dim>::end() {
   balance_->evaluate(x_, r, nullptr);
   StepEnd<dim> end = ImplicitStep<dim>::end();
   end.plastic_work += water_->finish(this->du_) + water_->weight_work();
-  end.balance.body_work += water_->weight_work();
+  end.balance.body_work += balance_->shared().total(water_->weight_work());
   return end;
 }
 

@@ -12,7 +12,7 @@
 namespace gabion::mpm {
 
 /// Implicit steps of soil whose pore water drains: displacements and pressures of the nodes are
-/// solved for together. One rank.
+/// solved for together.
 template <int dim>
 class SeepageStep final : public ImplicitStep<dim> {
  public:

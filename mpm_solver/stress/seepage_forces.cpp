@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "common/base/require.hpp"
-#include "common/mechanics/norm.hpp"
 #include "mpm_solver/stress/seepage_group.hpp"
 
 namespace gabion::mpm {
@@ -55,12 +54,15 @@ SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageSt
 
 template <int dim>
 void SeepageForces<dim>::list_wet() {
-  wet_.assign(r_.size(), 0);
+  std::vector<double> groups_at(r_.size(), 0.0);
   for (const std::int32_t g : groups_) {
     const CellGroup& group = parts_.weights.groups[g];
     const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
-    for (int k = 0; k < group.num_nodes; ++k) wet_[active[k]] = 1;
+    for (int k = 0; k < group.num_nodes; ++k) groups_at[active[k]] += 1;
   }
+  parts_.nodes.shared.sum(groups_at, 1);
+  wet_.assign(r_.size(), 0);
+  for (std::size_t i = 0; i < wet_.size(); ++i) wet_[i] = groups_at[i] > 0 ? 1 : 0;
 }
 
 template <int dim>
@@ -73,6 +75,7 @@ double SeepageForces<dim>::stabilisation(std::int32_t body) const {
   for (std::int32_t p = points.body_starts[body]; p < points.body_starts[body + 1]; ++p) {
     least = std::min(least, soil.water->mobility_ratio(points.J[p]));
   }
+  least = -parts_.nodes.shared.largest(-least);
   const double drained = 4 * soil.water->mobility() * least * M * step_.dt / (h * h);
   const double alpha =
       parts_.points.half_length.empty() ? points_see_of_splines : points_see_of_gimp;
@@ -110,6 +113,7 @@ std::vector<double> SeepageForces<dim>::start_heads() const {
       }
     }
   }
+  parts_.nodes.shared.sum(q, sum, 1);
   for (std::size_t i = 0; i < q.size(); ++i) q[i] = sum[i] > 0 ? q[i] / sum[i] : 0;
   return q;
 }
@@ -236,6 +240,17 @@ void SeepageForces<dim>::add_volumes(const CellGroup& group, Group& work) {
 template <int dim>
 bool SeepageForces<dim>::evaluate(const Trial& trial, BlockMatrix<block_size>* K,
                                   RefusedPoint& worst) {
+  const SharedNodes& shared = parts_.nodes.shared;
+  if (!shared.all(evaluate_groups(trial, K, worst))) return false;
+  shared.sum(r_, squeezed_, 1);
+  shared.sum(seeped_, 1);
+  outflow_ = shared.total(outflow_);
+  return true;
+}
+
+template <int dim>
+bool SeepageForces<dim>::evaluate_groups(const Trial& trial, BlockMatrix<block_size>* K,
+                                         RefusedPoint& worst) {
   for (auto* values : {&f_, &r_, &squeezed_, &seeped_}) {
     std::fill(values->begin(), values->end(), 0.0);
   }
@@ -276,8 +291,8 @@ void SeepageForces<dim>::find_start_forces() {
 
 template <int dim>
 double SeepageForces<dim>::volume_scale() const {
-  return std::max(norm_of(std::span<const double>(squeezed_)),
-                  norm_of(std::span<const double>(seeped_)));
+  const SharedNodes& shared = parts_.nodes.shared;
+  return std::max(shared.norm(squeezed_), shared.norm(seeped_));
 }
 
 template class SeepageForces<2>;

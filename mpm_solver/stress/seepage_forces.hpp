@@ -26,12 +26,14 @@ struct SeepageStepData {
 ///     p(x) = sum_k N_k q_k + rho_w g . x ,
 ///
 /// and a step balances the volume of water (W13) while the pressure adds to the forces (W12) of
-/// docs/theory/water.md. Refers to its parts; valid for one step of one rank.
+/// docs/theory/water.md. Each rank has the points of its groups; volumes and what is found of them
+/// are of all ranks. Refers to its parts; valid for one step.
 template <int dim>
 class SeepageForces {
  public:
   static constexpr int block_size = dim + 1;
 
+  /// @note Collective.
   SeepageForces(const StressParts<dim>& parts, const SeepageStepData<dim>& step);
 
   /// Let water leave at these points where it is under pressure, and none in. Replaces earlier
@@ -46,25 +48,29 @@ class SeepageForces {
   /// Find forces and volumes of a trial state.
   /// @param K  null, or gets what the water adds to -dr/d(du, q): node blocks of dim rows of forces
   ///           and one of volumes
-  /// @returns false when pores would be closed; `worst` is that point
+  /// @returns false when pores would be closed on any rank; `worst` is that point where it is of
+  ///          this one
+  /// @note Collective.
   bool evaluate(const Trial& trial, BlockMatrix<block_size>* K, RefusedPoint& worst);
   /// Forces of the accepted pressures, those of du = 0. Replaces forces().
   void find_start_forces();
 
-  /// Force of the pressure on the skeleton, num_nodes x dim [N].
+  /// Force of the pressure on the skeleton, of the points of this rank, num_nodes x dim [N].
   const std::vector<double>& forces() const { return f_; }
   /// Volume that is missing at each node: r of the balance of water, num_nodes [m^3].
   const std::vector<double>& volumes() const { return r_; }
   /// Volume of water that leaves at the points of open(), in the last evaluation [m^3].
   double outflow() const { return outflow_; }
-  /// Work of gravity on the water that seeps through the skeleton, in the last evaluation [J].
+  /// Work of gravity on the water that seeps through the skeleton, in the last evaluation, of the
+  /// points of this rank [J].
   double weight_work() const { return weight_work_; }
-  /// Norm of what the balance of water consists of [m^3].
+  /// Norm of what the balance of water consists of [m^3]. @note Collective.
   double volume_scale() const;
 
   /// q of the nodes that fits the accepted pressures best, as a guess [Pa]; 0 at dry nodes.
+  /// @note Collective.
   std::vector<double> start_heads() const;
-  /// 1 for nodes that may act on points whose water drains, num_nodes.
+  /// 1 for nodes that may act on points, of any rank, whose water drains, num_nodes.
   const std::vector<char>& wet() const { return wet_; }
   /// p of water at rest that q leaves out, at a place [Pa].
   double at_rest(std::int32_t body, const Vector<dim>& x) const;
@@ -74,7 +80,7 @@ class SeepageForces {
   /// Give the trial state of the points, so far that of the skeleton, the pressures of the last
   /// evaluation.
   /// @returns what the water gives up as it seeps and leaves: the work against its pressure that
-  ///          does not become energy of the water in the points [J]
+  ///          does not become energy of the water in the points, of this rank [J]
   double finish(std::span<const double> du);
   /// Put pressures and masses of the last evaluation into the points.
   void store(MaterialPoints<dim>& points) const;
@@ -90,6 +96,7 @@ class SeepageForces {
     double drained = 0;                            // volume in the step by pressure [m^3/Pa]
   };
   void list_wet();
+  bool evaluate_groups(const Trial& trial, BlockMatrix<block_size>* K, RefusedPoint& worst);
   double tie_of_nodes(const CellGroup& group) const;
   double stabilisation(std::int32_t body) const;
   void gather(const CellGroup& group, const Trial& trial, Group& work) const;
