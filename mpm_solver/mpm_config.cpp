@@ -15,6 +15,7 @@
 #include "mpm_solver/checks/grid_mesh.hpp"
 #include "mpm_solver/checks/group_needs.hpp"
 #include "mpm_solver/checks/phase_needs.hpp"
+#include "mpm_solver/checks/pools.hpp"
 #include "mpm_solver/checks/seepage.hpp"
 #include "mpm_solver/checks/snap_back.hpp"
 #include "mpm_solver/config_checks.hpp"
@@ -169,7 +170,8 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     }
     if (auto stress = item.optional_object("initial_stress")) {
       settings.initial_stress.back() = read_initial_stress<dim>(*stress, body);
-      take_water_table<dim>(*stress, layout.mesh, *settings.initial_stress.back(), body);
+      take_water_table<dim>(*stress, layout.mesh, *settings.initial_stress.back(),
+                            {settings.pools, 0, 1}, body);
     } else if (std::holds_alternative<CamClay<dim>>(body.material.law)) {
       item.fail(
           "initial_stress",
@@ -324,6 +326,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.grid = read_grid<dim>(scene, in.object("grid"));
   settings.phases = read_phases(in, dim);
   check_grid_mesh(in, settings.grid, settings.phases);
+  settings.pools = read_pools(in);
   read_bodies<dim>(scene, in, settings);
   settings.gravity = to_vector<dim>(in.vector("gravity", dim));
   for (auto& body : settings.bodies) {
@@ -356,6 +359,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   resolve_rigid_walls(in, walls, settings.phases);
   read_boulders<dim>(scene, in, boulder_scene<dim>(settings, settings.grid), settings.boulders,
                      settings.rigid_walls);
+  check_pools(in, settings);
   const bool meets =
       !settings.interfaces.empty() || !settings.rigid_walls.empty() || settings.body_groups.any();
   for (const Phase& phase : settings.phases) {

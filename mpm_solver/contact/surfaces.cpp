@@ -15,6 +15,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/dropped_contact.hpp"
 #include "mpm_solver/contact/group_contact.hpp"
+#include "mpm_solver/contact/pool_forces.hpp"
 
 namespace gabion::mpm {
 
@@ -58,6 +59,7 @@ Surfaces<dim>::Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& 
   }
   touching_.assign(places_.size(), 0);
   dropped_.assign(places_.size(), 0);
+  displaced_.resize(places_.size());
 }
 
 template <int dim>
@@ -192,10 +194,9 @@ void Surfaces<dim>::receive(const InterfaceValues& displacements) {
   for (std::size_t k = 0; k < interfaces_.size(); ++k) {
     const auto found = displacements.find(interfaces_[k].name);
     if (found != displacements.end()) {
-      contact_of(k).set_displacement(found->second, member_of(k));
+      place(k, found->second);
     } else {
-      contact_of(k).set_displacement(
-          std::vector<double>(interfaces_[k].surface.vertices.size() * dim), member_of(k));
+      place(k, std::vector<double>(interfaces_[k].surface.vertices.size() * dim));
     }
   }
 }
@@ -206,15 +207,26 @@ void Surfaces<dim>::move_walls(double time) {
     const auto& wall = walls_[k];
     if (wall.is_boulder) continue;
     const std::size_t surface = interfaces_.size() + k;
-    contact_of(surface).set_displacement(
-        wall.motion.displacement(wall.boundary.surface.vertices, time), member_of(surface));
+    place(surface, wall.motion.displacement(wall.boundary.surface.vertices, time));
   }
 }
 
 template <int dim>
 void Surfaces<dim>::move_wall(std::size_t wall, std::span<const double> displacement) {
-  const std::size_t surface = interfaces_.size() + wall;
+  place(interfaces_.size() + wall, displacement);
+}
+
+template <int dim>
+void Surfaces<dim>::place(std::size_t surface, std::span<const double> displacement) {
   contact_of(surface).set_displacement(displacement, member_of(surface));
+  if (!pools_.empty()) displaced_[surface].assign(displacement.begin(), displacement.end());
+}
+
+// Empty: none press on it, or not on this rank.
+template <int dim>
+std::vector<double> Surfaces<dim>::pool_forces_on(std::size_t surface) const {
+  if (pools_.empty() || dropped_[surface] != 0 || rank_of(comm_) != 0) return {};
+  return pool_forces<dim>(pools_, settings(surface).surface, displaced_[surface]);
 }
 
 template <int dim>
@@ -242,6 +254,8 @@ InterfaceValues Surfaces<dim>::forces_on_structure() const {
   InterfaceValues forces;
   for (std::size_t k = 0; k < interfaces_.size(); ++k) {
     auto values = contact_of(k).forces_on_structure(member_of(k));
+    const std::vector<double> of_pools = pool_forces_on(k);
+    for (std::size_t i = 0; i < of_pools.size(); ++i) values[i] += of_pools[i];
     sum_over_ranks(comm_, std::span<double>(values));
     forces[interfaces_[k].name] = std::move(values);
   }
@@ -288,7 +302,14 @@ template <int dim>
 std::vector<double> Surfaces<dim>::forces_on_walls() const {
   std::vector<double> values;
   for (std::size_t k = interfaces_.size(); k < size(); ++k) {
-    auto [force, moment] = contact_of(k).resultant(member_of(k));
+    typename Contact<dim>::Resultant sum = contact_of(k).resultant(member_of(k));
+    const std::vector<double> of_pools = pool_forces_on(k);
+    const auto& vertices = settings(k).surface.vertices;
+    for (std::size_t i = 0; i < of_pools.size(); i += dim) {
+      const Vector<dim> moved = Eigen::Map<const Vector<dim>>(displaced_[k].data() + i);
+      sum.add(vertices[i / dim] + moved, Eigen::Map<const Vector<dim>>(of_pools.data() + i));
+    }
+    auto [force, moment] = sum;
     typename Contact<dim>::Resultant at_place;
     at_place.add(walls_[k - interfaces_.size()].moment_about, force);
     moment -= at_place.moment;
