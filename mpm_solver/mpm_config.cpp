@@ -142,6 +142,7 @@ void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
 
 template <int dim>
 void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
+  settings.pools = read_pools(in);
   settings.bodies_where = in.where("bodies");
   auto items = in.objects("bodies");
   if (items.empty()) in.fail("bodies", "found an empty list, allowed: at least one body");
@@ -326,7 +327,6 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   settings.grid = read_grid<dim>(scene, in.object("grid"));
   settings.phases = read_phases(in, dim);
   check_grid_mesh(in, settings.grid, settings.phases);
-  settings.pools = read_pools(in);
   read_bodies<dim>(scene, in, settings);
   settings.gravity = to_vector<dim>(in.vector("gravity", dim));
   for (auto& body : settings.bodies) {

@@ -15,7 +15,6 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/dropped_contact.hpp"
 #include "mpm_solver/contact/group_contact.hpp"
-#include "mpm_solver/contact/pool_forces.hpp"
 
 namespace gabion::mpm {
 
@@ -217,19 +216,6 @@ void Surfaces<dim>::move_wall(std::size_t wall, std::span<const double> displace
 }
 
 template <int dim>
-void Surfaces<dim>::place(std::size_t surface, std::span<const double> displacement) {
-  contact_of(surface).set_displacement(displacement, member_of(surface));
-  if (!pools_.empty()) displaced_[surface].assign(displacement.begin(), displacement.end());
-}
-
-// Empty: none press on it, or not on this rank.
-template <int dim>
-std::vector<double> Surfaces<dim>::pool_forces_on(std::size_t surface) const {
-  if (pools_.empty() || dropped_[surface] != 0 || rank_of(comm_) != 0) return {};
-  return pool_forces<dim>(pools_, settings(surface).surface, displaced_[surface]);
-}
-
-template <int dim>
 bool Surfaces<dim>::look_ahead() const {
   for (std::size_t k = 0; k < size(); ++k) {
     if (std::isfinite(contact_of(k).allowed_motion(member_of(k)))) return true;
@@ -247,19 +233,6 @@ void Surfaces<dim>::refuse_misses(double largest) const {
                     settings(k).name),
         "contact");
   }
-}
-
-template <int dim>
-InterfaceValues Surfaces<dim>::forces_on_structure() const {
-  InterfaceValues forces;
-  for (std::size_t k = 0; k < interfaces_.size(); ++k) {
-    auto values = contact_of(k).forces_on_structure(member_of(k));
-    const std::vector<double> of_pools = pool_forces_on(k);
-    for (std::size_t i = 0; i < of_pools.size(); ++i) values[i] += of_pools[i];
-    sum_over_ranks(comm_, std::span<double>(values));
-    forces[interfaces_[k].name] = std::move(values);
-  }
-  return forces;
 }
 
 template <int dim>
@@ -296,28 +269,6 @@ void Surfaces<dim>::report(StepReport& report) const {
   for (std::size_t k = 0; groups_ != nullptr && k < groups_->pairs.size(); ++k) {
     add("contact." + groups_->text_of(k) + ".", between_groups_->counts(k));
   }
-}
-
-template <int dim>
-std::vector<double> Surfaces<dim>::forces_on_walls() const {
-  std::vector<double> values;
-  for (std::size_t k = interfaces_.size(); k < size(); ++k) {
-    typename Contact<dim>::Resultant sum = contact_of(k).resultant(member_of(k));
-    const std::vector<double> of_pools = pool_forces_on(k);
-    const auto& vertices = settings(k).surface.vertices;
-    for (std::size_t i = 0; i < of_pools.size(); i += dim) {
-      const Vector<dim> moved = Eigen::Map<const Vector<dim>>(displaced_[k].data() + i);
-      sum.add(vertices[i / dim] + moved, Eigen::Map<const Vector<dim>>(of_pools.data() + i));
-    }
-    auto [force, moment] = sum;
-    typename Contact<dim>::Resultant at_place;
-    at_place.add(walls_[k - interfaces_.size()].moment_about, force);
-    moment -= at_place.moment;
-    values.insert(values.end(), force.data(), force.data() + force.size());
-    values.insert(values.end(), moment.data(), moment.data() + moment.size());
-  }
-  sum_over_ranks(comm_, std::span<double>(values));
-  return values;
 }
 
 template <int dim>

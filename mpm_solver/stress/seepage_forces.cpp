@@ -172,10 +172,7 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
     const Vector<dim> weight = water.density * step_.gravity;
     point.p = at_rest(group.body, parts_.points.x[p]);
     point.p_n = p_n_[e];
-    if (!p_pool_.empty()) {
-      point.p_pool = p_pool_[e];
-      point.p_pool_slope = p_pool_slope_[e];
-    }
+    if (!p_pool_.empty()) point.p_pool = p_pool_[e], point.p_pool_slope = p_pool_slope_[e];
     point.density = std::exp(point.p_n / water.bulk_modulus);
     point.grad_p = G * weight;
     for (int i = 0; i < weights.num_nodes(e); ++i) {
