@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mpm_solver/contact/pool_forces.hpp"
+#include "solver_program/ranked_state.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/saturated_soil.hpp"
 
@@ -229,6 +230,19 @@ TEST(Pools, dam_between_two_levels_lets_through_what_dupuit_has) {
   const double before = probe(*solver, "water_out");
   run_steps(*solver, 1e6, 1, 4);
   EXPECT_NEAR(probe(*solver, "water_out") - before, 0, 1e-6 * dam.discharge() * 1e6 * 1000);
+}
+
+TEST(Pools, run_that_goes_on_is_the_same) {
+  Json json = flooded_box(1.25, "dynamic");
+  json["pools"] = {{{"table", {{0, 1.25}, {1, 3}}}}};
+  const auto straight = mpm_solver<2>(json), first = mpm_solver<2>(json),
+             second = mpm_solver<2>(json);
+  run_steps(*straight, 0.05, 8);
+  run_steps(*first, 0.05, 3);
+  load_gathered(comm(), gather_state(comm(), first->save_state()), *second);
+  run_steps(*second, 0.05, 5, 4);
+  EXPECT_TRUE(same_bits<2>(second->points(), straight->points()));
+  EXPECT_EQ(second->probes(), straight->probes());
 }
 
 TEST(Pools, settings_that_are_refused) {

@@ -95,6 +95,29 @@ TEST(SeepageRanks, start_under_a_water_table_is_the_same) {
   for (const auto& u : shared->points().u) EXPECT_LT(u.norm(), 1e-6 / 4);
 }
 
+/// A river that rises over soil beside a wall: what it presses on is counted once.
+TEST(SeepageRanks, pools_are_the_same) {
+  Json json = saturated_box(2, "quad4", 4, saturated_elastic());
+  json["basis"] = "gimp";
+  json["grid"] = box({0, 0}, {1.5, 1.5}, {6, 6}, "quad4");
+  json["walls"] = {wall("bottom", "slip"), wall("left", "slip")};
+  json["bodies"][0]["water"]["permeability"] = 1e-4;
+  json["pools"] = {{{"table", {{0, 1}, {0.1, 3}}}, {"to", 0.5}}, {{"level", 1.2}, {"from", 0.9}}};
+  json["rigid_walls"] = {{{"name", "step"},
+                          {"surface", {{"polyline", {{1, 1.4}, {1, 0}}}, {"spacing", 0.1}}},
+                          {"friction", 0.3}}};
+  const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
+  run_steps(*shared, 1, all);
+  run_steps(*alone, 1, all);
+  expect_same_water(*shared, *alone, 1e-8);
+  for (const char* name : {"step.fx", "step.mz", "wall.bottom.fy", "water_out", "boundary_work",
+                           "momentum_error_x", "energy_balance"}) {
+    const double value = probe(*alone, name);
+    EXPECT_NEAR(probe(*shared, name), value, 1e-6 * (1 + std::abs(value))) << name;
+  }
+  EXPECT_GT(probe(*alone, "step.fx"), 1000);
+}
+
 /// Restarts go from all ranks to one each, and from one to all.
 TEST(SeepageRanks, run_goes_on_with_another_number) {
   const Json json = wet_collapse("gimp");
