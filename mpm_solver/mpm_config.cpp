@@ -16,6 +16,7 @@
 #include "mpm_solver/checks/grid_mesh.hpp"
 #include "mpm_solver/checks/group_needs.hpp"
 #include "mpm_solver/checks/phase_needs.hpp"
+#include "mpm_solver/checks/pools.hpp"
 #include "mpm_solver/checks/seepage.hpp"
 #include "mpm_solver/checks/snap_back.hpp"
 #include "mpm_solver/config_checks.hpp"
@@ -152,6 +153,7 @@ void require_one_stiffness(const ConfigReader& in, const Body<dim>& body) {
 
 template <int dim>
 void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
+  settings.pools = read_pools(in);
   settings.bodies_where = in.where("bodies");
   const Vector<dim> origin = to_vector<dim>(in.vector("origin", dim));
   auto items = in.objects("bodies");
@@ -185,7 +187,8 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     }
     if (auto stress = item.optional_object("initial_stress")) {
       settings.initial_stress.back() = read_initial_stress<dim>(*stress, body);
-      take_water_table<dim>(*stress, layout.mesh, *settings.initial_stress.back(), body);
+      take_water_table<dim>(*stress, layout.mesh, *settings.initial_stress.back(),
+                            {settings.pools, 0, 1}, body);
     } else if (std::holds_alternative<CamClay<dim>>(body.material.law)) {
       item.fail(
           "initial_stress",
@@ -371,6 +374,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   resolve_rigid_walls(in, walls, settings.phases);
   read_boulders<dim>(scene, in, boulder_scene<dim>(settings, settings.grid), settings.boulders,
                      settings.rigid_walls);
+  check_pools(in, settings);
   const bool meets =
       !settings.interfaces.empty() || !settings.rigid_walls.empty() || settings.body_groups.any();
   for (const Phase& phase : settings.phases) {

@@ -17,6 +17,7 @@
 #include "mpm_solver/phases/phases.hpp"
 #include "mpm_solver/points/initial_stress.hpp"
 #include "mpm_solver/points/material_points.hpp"
+#include "mpm_solver/points/pool.hpp"
 #include "mpm_solver/small_cuts/small_cuts.hpp"
 #include "mpm_solver/step_sizes/step_control.hpp"
 #include "mpm_solver/stress/cell_quadrature.hpp"
@@ -44,6 +45,7 @@ struct MpmSettings {
   BodyGroups body_groups;  ///< none: all bodies share the nodes of the grid
   Vector<dim> gravity = Vector<dim>::Zero();
   std::vector<Phase> phases;  ///< at least one
+  std::vector<Pool> pools;    ///< of free water, see read_pools()
   /// Acceleration [m/s^2] that acts on material points besides gravity, from their position at the
   /// start [m] and the time [s]; empty: none. For manufactured solutions, not a key of mpm.json.
   std::function<Vector<dim>(const Vector<dim>& reference_position, double time)> body_acceleration;

@@ -120,6 +120,10 @@ std::vector<Key> model_keys() {
                       "each other.")
               .or_none(),
           key::vector("gravity", "m/s^2", "Acceleration on all material points.").or_else(0),
+          key::objects("pools", pool_keys(),
+                       "Free water at rest over the soil, from the lowest x to the highest; all "
+                       "bodies have water that drains.")
+              .or_empty(),
           key::choice("outside", {"error", "remove"},
                       "Material points that leave the grid: the step fails, or they are taken out.")
               .or_else("error"),

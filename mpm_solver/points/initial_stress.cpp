@@ -204,7 +204,8 @@ KeyTable initial_stress_keys() {
            .in(at_least(1))
            .or_else(1),
        key::number("water_table", "m",
-                   "Height of the water table, level; at most `surface`. Below it the soil is "
+                   "Height of the water table, level; at most `surface`, or the level of "
+                   "`pools` over it. Below it the soil is "
                    "saturated, with hydrostatic pressure and K0 of the effective stress; above it "
                    "it is dry.")
            .or_none()
@@ -269,16 +270,26 @@ InitialStress read_initial_stress(ConfigReader in, const Body<dim>& body) {
 // layer under layers of other densities is not its own.
 template <int dim>
 void take_water_table(const ConfigReader& in, const Mesh<dim>& mesh, const InitialStress& stress,
-                      Body<dim>& body) {
+                      const PoolLevels& pools, Body<dim>& body) {
   if (!stress.water_table) return;
   const double table = *stress.water_table;
   const auto box = box_around(mesh);
   const double top = box.max()[dim - 1], bottom = box.min()[dim - 1];
-  if (table > stress.surface && stress.surface <= top + 1e-9 * (top - bottom)) {
-    in.fail("water_table",
-            fmt::format("found {:g}, a pool over the surface of the body, {:g}; allowed: at most "
-                        "\"surface\"",
-                        table, stress.surface));
+  const double rounding = 1e-9 * (top - bottom);
+  if (table > stress.surface && stress.surface <= top + rounding) {
+    if (pools.empty()) {
+      in.fail("water_table",
+              fmt::format("found {:g}, a pool over the surface of the body, {:g}; allowed: at most "
+                          "\"surface\", or with \"pools\"",
+                          table, stress.surface));
+    }
+    for (const double x : {box.min()[0], box.max()[0]}) {
+      if (std::abs(pools.level(x) - table) <= rounding) continue;
+      in.fail("water_table",
+              fmt::format("found {:g}, above the surface of the body, where the pool at x = {:g} "
+                          "begins with the level {:g}, allowed: that level",
+                          table, x, pools.level(x)));
+    }
   }
   if (table <= bottom) {
     log::warn("{}: found {:g}, below all of the body, which begins at {:g}: it is dry",
@@ -375,9 +386,9 @@ Vector<dim> initial_stress_at(const InitialStress& stress, const BodyAtRest<dim>
 template InitialStress read_initial_stress<2>(ConfigReader, const Body<2>&);
 template InitialStress read_initial_stress<3>(ConfigReader, const Body<3>&);
 template void take_water_table<2>(const ConfigReader&, const Mesh<2>&, const InitialStress&,
-                                  Body<2>&);
+                                  const PoolLevels&, Body<2>&);
 template void take_water_table<3>(const ConfigReader&, const Mesh<3>&, const InitialStress&,
-                                  Body<3>&);
+                                  const PoolLevels&, Body<3>&);
 template void set_initial_stress<2>(MPI_Comm, const InitialStress&, const BodyAtRest<2>&,
                                     MaterialPoints<2>&);
 template void set_initial_stress<3>(MPI_Comm, const InitialStress&, const BodyAtRest<3>&,

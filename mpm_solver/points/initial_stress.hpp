@@ -9,6 +9,7 @@
 
 #include "common/settings/config_reader.hpp"
 #include "mpm_solver/points/material_points.hpp"
+#include "mpm_solver/points/pool.hpp"
 
 namespace gabion::mpm {
 
@@ -40,11 +41,13 @@ InitialStress read_initial_stress(ConfigReader in, const Body<dim>& body);
 KeyTable initial_stress_keys();
 
 /// Let a body with pore water know its water table; nothing for others.
-/// @param in  of the initial stress
-/// @throws ConfigError  the table lies above the surface of the body, as that of a pool
+/// @param in     of the initial stress
+/// @param pools  at the start
+/// @throws ConfigError  the table lies above the surface of the body, and there is no pool of that
+///                      level
 template <int dim>
 void take_water_table(const ConfigReader& in, const Mesh<dim>& mesh, const InitialStress& stress,
-                      Body<dim>& body);
+                      const PoolLevels& pools, Body<dim>& body);
 
 /// A body under gravity.
 template <int dim>

@@ -198,6 +198,8 @@ SoilState<dim>::SoilState(const SoilModel<dim>& model)
   if (model.settings.body_groups.any()) {
     surfaces.add_groups(model.settings.body_groups, model.grid.num_nodes_total());
   }
+  has_water = std::ranges::any_of(model.settings.bodies,
+                                  [](const Body<dim>& body) { return body.water.has_value(); });
   locate_points(model, points);
   remove_soil_inside(model.comm, model.settings.boulders, model.settings.rigid_walls, points);
   ranks.divide(points, surfaces);
@@ -291,7 +293,7 @@ void SoilState<dim>::visit(StateVisitor& visitor) {
   visitor.real("soil_end", soil_end);
   visitor.integer("removed_points", removed_points);
   visitor.reals("removed_masses", removed_masses);
-  if (!points.water.empty()) visitor.real("water_out", water_out);
+  if (has_water) visitor.real("water_out", water_out);
   visitor.flag("nearly_linear", nearly_linear);
   visitor.real("contact_rate", contact_rate);
   pause.visit_state(visitor);
