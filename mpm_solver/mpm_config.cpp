@@ -141,16 +141,6 @@ void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
                       widest));
 }
 
-// The pressure of water that drains is smoothed by the stiffness of the body's skeleton.
-template <int dim>
-void require_one_stiffness(const ConfigReader& in, const Body<dim>& body) {
-  if (!body.water->drains()) return;
-  if (std::ranges::find(body.varying, "young_modulus") == body.varying.end()) return;
-  in.fail("material/young_modulus",
-          "found values that vary beside \"water\" that drains, allowed: a number, or water "
-          "without \"permeability\"");
-}
-
 template <int dim>
 void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
   settings.pools = read_pools(in);

@@ -333,11 +333,22 @@ std::shared_ptr<const VaryingMaterial<dim>> read_body_material(ConfigReader in,
   return varying;
 }
 
+template <int dim>
+void require_one_stiffness(const ConfigReader& in, const Body<dim>& body) {
+  if (!body.water->drains()) return;
+  if (std::ranges::find(body.varying, "young_modulus") == body.varying.end()) return;
+  in.fail("material/young_modulus",
+          "found values that vary beside \"water\" that drains, allowed: a number, or water "
+          "without \"permeability\"");
+}
+
 template class VaryingMaterial<2>;
 template class VaryingMaterial<3>;
 template std::shared_ptr<const VaryingMaterial<2>> read_body_material<2>(
     ConfigReader, const SourcePlace<2>&, std::size_t, const PointLayout<2>&, Body<2>&);
 template std::shared_ptr<const VaryingMaterial<3>> read_body_material<3>(
     ConfigReader, const SourcePlace<3>&, std::size_t, const PointLayout<3>&, Body<3>&);
+template void require_one_stiffness<2>(const ConfigReader&, const Body<2>&);
+template void require_one_stiffness<3>(const ConfigReader&, const Body<3>&);
 
 }  // namespace gabion::mpm

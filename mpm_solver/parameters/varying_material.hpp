@@ -72,4 +72,9 @@ std::shared_ptr<const VaryingMaterial<dim>> read_body_material(ConfigReader in,
                                                                const PointLayout<dim>& layout,
                                                                Body<dim>& body);
 
+/// The pressure of water that drains is smoothed by the stiffness of the body's skeleton, which may
+/// not vary then. @throws ConfigError  it does
+template <int dim>
+void require_one_stiffness(const ConfigReader& in, const Body<dim>& body);
+
 }  // namespace gabion::mpm

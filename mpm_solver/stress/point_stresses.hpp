@@ -259,24 +259,32 @@ class PointStresses {
     return update_lanes(parts, law, b, with_A);
   }
 
+  /// Where the increment of a point begins.
+  struct PointStart {
+    const MaterialState<dim>& state;
+    const Matrix<dim>* F;  // of the step up to there, for laws with state variables; null: 1
+  };
+  static PointStart start_of(const StressParts<dim>& parts, std::int32_t e) {
+    const std::int32_t p = parts.weights.point[e];
+    const bool has_F = parts.has_path() && !parts.path->F.empty();
+    return {state_of(parts, p), has_F ? &parts.path->F[p] : nullptr};
+  }
   // The law of a point. A law with state variables sees the increment since the last substep.
   template <class Law>
-  static bool update_point(const StressParts<dim>& parts, const LawInStep<Law, dim>& law,
-                           std::int32_t e, const Matrix<dim>& H, StressUpdate<dim>& found,
-                           Tangent<dim>* A) {
-    const std::int32_t p = parts.weights.point[e];
+  static bool update_point(const LawInStep<Law, dim>& law, const PointStart& from,
+                           const Matrix<dim>& H, StressUpdate<dim>& found, Tangent<dim>* A) {
     if constexpr (HasVariables<Law>) {
-      if (parts.has_path()) {
+      if (from.F != nullptr) {
         require(A == nullptr, "mpm_solver: a tangent in a substep");
-        const Matrix<dim> before = parts.path->F[p], inverse = before.inverse();
-        const Matrix<dim> increment = (Matrix<dim>::Identity() + H - before) * inverse;
-        if (!law.update(increment, state_of(parts, p), found, A)) return false;
+        const Matrix<dim> inverse = from.F->inverse();
+        const Matrix<dim> increment = (Matrix<dim>::Identity() + H - *from.F) * inverse;
+        if (!law.update(increment, from.state, found, A)) return false;
         found.P = (found.P * inverse.transpose()).eval();
-        found.J *= before.determinant();
+        found.J *= from.F->determinant();
         return true;
       }
     }
-    return law.update(H, state_of(parts, p), found, A);
+    return law.update(H, from.state, found, A);
   }
 
   // The law that all points of a batch have, null: their constants differ.
@@ -303,7 +311,8 @@ class PointStresses {
       const std::int32_t e = entry(b, l);
       LawInStep<Law, dim> in_step{parts.law_of(parts.weights.point[e], own), {}};
       if constexpr (ContextualLaw<Law, dim>) in_step.context = context_of<Law>(parts, e);
-      if (!update_point(parts, in_step, e, batch.gradient(l), found, with_A ? &A : nullptr)) {
+      if (!update_point(in_step, start_of(parts, e), batch.gradient(l), found,
+                        with_A ? &A : nullptr)) {
         refusal_ = found.refusal;
         return l;
       }
@@ -334,7 +343,7 @@ class PointStresses {
     for (int l = 0; l < n; ++l) {
       if constexpr (ContextualLaw<Law, dim>) in_step.context = contexts[l];
       if (!done[l]) {
-        if (!update_point(parts, in_step, entry(b, l), batch.gradient(l), found,
+        if (!update_point(in_step, start_of(parts, entry(b, l)), batch.gradient(l), found,
                           with_A ? &A : nullptr)) {
           refusal_ = found.refusal;
           return l;

@@ -127,7 +127,8 @@ class Killed(IntegrationCase):
         endpoint = free_endpoint()
         started = {}
         for program in PROGRAMS:
-            command = [str(launch.binaries / program), str(self.scene), "--output", str(self.out), "--coupler", endpoint]
+            command = [str(launch.binaries / program), str(self.scene), "--output", str(self.out),
+                       "--coupler", endpoint]
             started[program] = Launch(command, self.folder)
             self.addCleanup(started[program].end)
             started[program].wait_until(self.out.exists, "the folder of results")

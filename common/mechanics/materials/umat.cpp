@@ -98,17 +98,17 @@ Symmetric<dim> cut(const Vector6& s) {
   return s.head<symmetric_size<dim>>();
 }
 
-// Energies and what holds the point: SSE is stored, the rest of the work is dissipated.
+// The strain whose work is dissipated: SSE is stored, the rest of the work is not.
+// @param tau, tau_n  at the end and at the start; change  of the stored energy
 template <int dim>
-void set_energies(const Vector6& tau_n, double energy_n, const Vector6& log_V, double J,
-                  const UmatAnswer& answer, StressUpdate<dim>& out) {
-  out.energy = J * answer.energy;
-  Vector6 mean = 0.5 * (tau_n + J * answer.stress);
+Symmetric<dim> dissipated_strain(const Vector6& tau_n, const Vector6& tau, const Vector6& log_V,
+                                 double change) {
+  Vector6 mean = 0.5 * (tau_n + tau);
   mean.tail<3>() *= 2;
-  const double work = mean.dot(log_V), stored = out.energy - energy_n;
+  const double work = mean.dot(log_V);
   const double scale = mean.norm() * log_V.norm();
-  const double share = std::abs(work) > no_work * scale ? (work - stored) / work : 0;
-  out.plastic_increment = cut<dim>(share * log_V);
+  const double share = std::abs(work) > no_work * scale ? (work - change) / work : 0;
+  return cut<dim>(share * log_V);
 }
 
 template <int dim>
@@ -152,11 +152,17 @@ bool advance(const UmatModel& model, const PointContext& context, const Matrix3d
   out.P = (tensor(tau) * F_inverse.transpose()).template topLeftCorner<dim, dim>();
   out.state = {};
   out.state.e = cut<dim>(components(G + G.transpose() + G * G.transpose()));
-  set_energies<dim>(J_n * call.stress, state.energy(), call.increment, J, answer, out);
+  out.energy = J * answer.energy;
+  out.plastic_increment =
+      dissipated_strain<dim>(J_n * call.stress, tau, call.increment, out.energy - state.energy());
   if (A != nullptr) set_tangent<dim>(answer, polar, F_inverse, J, *A);
   if (context.new_variables.empty()) return true;
-  state.set(answer.stress, call.strain + call.increment, G, out.energy, context.dt,
-            std::span(answer.variables).first(model.num_variables()));
+  state.set({.stress = answer.stress,
+             .strain = call.strain + call.increment,
+             .displacement_gradient = G,
+             .energy = out.energy,
+             .dt = context.dt,
+             .variables = std::span(answer.variables).first(model.num_variables())});
   state.copy_to(context.new_variables);
   return true;
 }
@@ -193,7 +199,10 @@ void Umat<dim>::set_start(const Symmetric<dim>& tau, const Symmetric<dim>& log_s
   const double J = std::exp(strain.head<3>().sum());
   Matrix3d G = Matrix3d::Zero();
   for (int i = 0; i < 3; ++i) G(i, i) = std::expm1(strain[i]);
-  state.set(stress / J, strain, G, 0, 0, model_->initial_variables());
+  state.set({.stress = stress / J,
+             .strain = strain,
+             .displacement_gradient = G,
+             .variables = model_->initial_variables()});
   state.copy_to(variables);
 }
 

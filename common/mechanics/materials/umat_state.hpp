@@ -39,16 +39,21 @@ class UmatState {
     return std::span(values_).subspan(first_variable, count);
   }
 
-  /// The end of an increment of this length [s].
-  void set(const Vector6& stress, const Vector6& strain, const Eigen::Matrix3d& F_minus_1,
-           double energy, double dt, std::span<const double> variables) {
-    Eigen::Map<Vector6>(values_.data()) = stress;
-    Eigen::Map<Vector6>(values_.data() + 6) = strain;
-    Eigen::Map<Eigen::Matrix3d>(values_.data() + 12) = F_minus_1;
-    values_[21] = energy;
-    values_[22] += dt;
+  /// An increment at its end.
+  struct End {
+    Vector6 stress, strain;
+    Eigen::Matrix3d displacement_gradient;
+    double energy = 0, dt = 0;
+    std::span<const double> variables{};
+  };
+  void set(const End& end) {
+    Eigen::Map<Vector6>(values_.data()) = end.stress;
+    Eigen::Map<Vector6>(values_.data() + 6) = end.strain;
+    Eigen::Map<Eigen::Matrix3d>(values_.data() + 12) = end.displacement_gradient;
+    values_[21] = end.energy;
+    values_[22] += end.dt;
     values_[23] += 1;
-    std::ranges::copy(variables, values_.begin() + first_variable);
+    std::ranges::copy(end.variables, values_.begin() + first_variable);
   }
   void copy_to(std::span<double> values) const { std::ranges::copy(values_, values.begin()); }
 
