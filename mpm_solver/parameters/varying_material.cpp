@@ -9,6 +9,7 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/materials/read_umat.hpp"
+#include "common/settings/plausible.hpp"
 
 namespace gabion::mpm {
 
@@ -105,8 +106,8 @@ Json copy_settings(ConfigReader& in, const KeyTable& table) {
   return copy;
 }
 
-// Reader of the settings of a material at its place in the file.
-ConfigReader reader_of(const Json& settings, const std::string& file, std::size_t body) {
+// Reader of a file that has the settings of one material alone.
+ConfigReader file_of(const Json& settings, const std::string& file, std::size_t body) {
   static const KeyTable root = {
       "mpm",
       "",
@@ -116,8 +117,12 @@ ConfigReader reader_of(const Json& settings, const std::string& file, std::size_
   Json bodies(body + 1, Json::object());
   bodies[body]["material"] = settings;
   const Json whole = {{"bodies", std::move(bodies)}};
-  ConfigReader in(whole, file, root);
-  return in.objects("bodies")[body].object("material");
+  return {whole, file, root};
+}
+
+// Reader of the settings of a material at its place in the file.
+ConfigReader reader_of(const Json& settings, const std::string& file, std::size_t body) {
+  return file_of(settings, file, body).objects("bodies")[body].object("material");
 }
 
 }  // namespace
@@ -233,6 +238,18 @@ struct VaryingReader {
     }
   }
 
+  // Warn of values that look as if they had another unit.
+  void warn_of_implausible(const VaryingParameters& values) const {
+    Json settings = result.settings_;
+    for (std::size_t k = 0; k < result.names_.size(); ++k) {
+      settings[result.names_[k]] = values[static_cast<Eigen::Index>(k)];
+    }
+    ConfigReader whole = file_of(settings, result.file_, result.body_);
+    ConfigReader in = whole.objects("bodies")[result.body_].object("material");
+    for (const std::string& name : result.names_) in.number(name);
+    warn_of_implausible_settings(whole, Described::soil);
+  }
+
   // The law of the stiffest point is the body's.
   void choose_law(std::size_t number, Body<dim>& body) {
     result.body_ = number;
@@ -247,6 +264,20 @@ struct VaryingReader {
       body.material = material;
     });
     body.varying = result.names_;
+    warn_of_range();
+  }
+
+  void warn_of_range() const {
+    MaterialPoints<dim> points;
+    lay_points<dim>(layout, 1, {}, points);
+    VaryingParameters least = result.at(points.x.front()), largest = least;
+    for (const Vector<dim>& x : points.x) {
+      const VaryingParameters values = result.at(x);
+      least = least.cwiseMin(values);
+      largest = largest.cwiseMax(values);
+    }
+    warn_of_implausible(least);
+    if (largest != least) warn_of_implausible(largest);
   }
 };
 

@@ -332,6 +332,23 @@ TEST(VaryingValues, random_settings_that_are_refused) {
   expect_refused(material, {"/young_modulus/random/mean", "missing"});
 }
 
+/// A strength in kPa is as suspicious as where it is one number.
+TEST(VaryingValues, other_units_are_named) {
+  Json material = clay();
+  const auto warnings = [&](const Json& cohesion) {
+    material["cohesion"] = cohesion;
+    testing::internal::CaptureStderr();
+    make_mpm(scene_of<2>(material));
+    return testing::internal::GetCapturedStderr();
+  };
+  const std::string kilo = warnings(by_depth({{0, 10}, {2, 25}}, 2));
+  EXPECT_NE(kilo.find("/bodies/0/material/cohesion: found 10.9375 Pa, next to none; in kPa"),
+            std::string::npos)
+      << kilo;
+  EXPECT_EQ(warnings(by_depth({{0, 1e4}, {2, 2.5e4}}, 2)).find("cohesion: found"),
+            std::string::npos);
+}
+
 TEST(VaryingValues, most_keys) {
   Json material = elastic_soil("mohr_coulomb", 1e7, 0.3, 2000);
   material["friction_angle"] = 30;
