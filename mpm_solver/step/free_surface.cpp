@@ -34,10 +34,8 @@ class Search {
   explicit Search(const SurroundingsOfSoil<dim>& parts)
       : parts_(parts),
         box_(*parts.grid.box),
-        seen_(see_points<dim>({.comm = parts.comm,
-                               .box = box_,
-                               .points = parts.points,
-                               .reach = reach_of_sight})),
+        seen_(see_points<dim>(
+            {.comm = parts.comm, .box = box_, .points = parts.points, .reach = reach_of_sight})),
         first_(box_.num_cells_total(), -1),
         fill_(box_.num_cells_total(), 0.0),
         walled_(box_.num_nodes_total(), 0) {

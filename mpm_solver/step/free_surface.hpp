@@ -17,7 +17,7 @@ namespace gabion::mpm {
 template <int dim>
 struct SurroundingsOfSoil {
   MPI_Comm comm;
-  const BackgroundGrid<dim>& grid;  ///< a box
+  const BackgroundGrid<dim>& grid;             ///< a box
   const MaterialPoints<dim>& points;           ///< of this rank
   const std::vector<WallSettings>& walls;      ///< of the phase
   const FacetSights<dim>* surfaces = nullptr;  ///< those that act; null: none does
