@@ -127,9 +127,8 @@ class Killed(IntegrationCase):
         endpoint = free_endpoint()
         started = {}
         for program in PROGRAMS:
-            command = [str(launch.binaries / program), str(self.scene), "--output", str(self.out),
-                       "--coupler", endpoint]
-            started[program] = Launch(command, self.folder)
+            started[program] = Launch([str(launch.binaries / program), str(self.scene), "--output", str(self.out),
+                                       "--coupler", endpoint], self.folder)
             self.addCleanup(started[program].end)
             started[program].wait_until(self.out.exists, "the folder of results")
         rows = self.out / "steps.csv"
