@@ -15,6 +15,7 @@
 #include "common/mechanics/ranks/text.hpp"
 #include "common/settings/plausible.hpp"
 #include "fem_solver/ranks/divide_mesh.hpp"
+#include "fem_solver/supports/embedded_lines.hpp"
 #include "fem_solver/supports/held_parts.hpp"
 
 namespace gabion::fem {
@@ -376,6 +377,7 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
     in.fail("mass", "has no meaning when \"analysis\" is \"static\"");
   }
   read_conditions(in, s);
+  embed_lines(s, ranked.connection);
   check_damping(s);
   together<ConfigError>(comm, [&] { check_held_parts(in, s, ranked.connection); });
   warn_of_unused_groups(in, s);

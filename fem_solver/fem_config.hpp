@@ -17,6 +17,7 @@
 #include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/materials/line_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
+#include "fem_solver/stress/embedded_nodes.hpp"
 #include "fem_solver/time/time_function.hpp"
 
 namespace gabion::fem {
@@ -126,6 +127,7 @@ struct FemSettings : MotionSettings<dim> {
   MeshRanks ranks;                            ///< how it lies in the whole
   std::vector<CellMaterial<dim>> materials;   ///< of all cells, or each of a group of cells
   std::vector<LineMaterial> line_materials;   ///< each of a group of lines
+  EmbeddedNodes<dim> embedded;                ///< nodes of lines inside cells
   bool lumped_mass = false;                   ///< row sums instead of the consistent mass matrix
   Vector<dim> gravity = Vector<dim>::Zero();  ///< [m/s^2]
   std::vector<SupportSettings> supports;

@@ -95,6 +95,11 @@ std::vector<Key> line_keys() {
               .in(positive())
               .or_none()
               .when("law", line_laws),
+          key::boolean("embedded",
+                       "Nodes of these lines that are no nodes of cells lie inside cells and move "
+                       "with them, without slip, at the place that they have in the mesh.")
+              .or_else(false)
+              .when("law", line_laws),
           key::rows("brake_table", "m, N",
                     "Rows [run, force] of a brake in line with each cell of the group, the first "
                     "at run 0: it runs out where the rope pulls with this force, and never back; "
@@ -166,6 +171,7 @@ LineMaterial read_line_material(ConfigReader in) {
   material.young_modulus = in.number("young_modulus");
   material.area = in.number("area");
   material.length_ratio = read_length_ratio(in, material.stiffness());
+  material.embedded = in.boolean("embedded");
   material.in_compression = material.law_name == "truss" || material.law_name == "bar";
   if (material.law_name == "bar") {
     material.hardening = read_hardening(in);

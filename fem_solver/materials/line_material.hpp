@@ -23,6 +23,7 @@ struct LineMaterial {
   double young_modulus = 0;     ///< [Pa]
   double area = 0;              ///< stress-free [m^2], in the plane per metre of thickness [m]
   double length_ratio = 1;      ///< stress-free length over the length in the mesh
+  bool embedded = false;        ///< its nodes inside cells move with them
   bool in_compression = false;  ///< false: slack where it is shorter than stress-free
   std::optional<Brake> brake;   ///< in line with each cell of the group
   std::optional<Hardening> hardening;  ///< of a bar that yields, stress over strain of L0

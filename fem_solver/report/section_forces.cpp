@@ -23,6 +23,17 @@ std::vector<double> history_of(std::span<const double> of_block,
   return history;
 }
 
+/// Nodes that a cell or line acts on.
+template <int dim>
+std::vector<std::int32_t> nodes_of(const FemSettings<dim>& settings, std::int32_t element) {
+  const Mesh<dim>& mesh = settings.mesh;
+  if (element >= mesh.num_cells()) {
+    return settings.embedded.line_nodes(mesh, element - mesh.num_cells());
+  }
+  const auto nodes = mesh.cell(element);
+  return {nodes.begin(), nodes.end()};
+}
+
 }  // namespace
 
 template <int dim>
@@ -33,9 +44,9 @@ SectionForces<dim>::SectionForces(const FemSettings<dim>& settings,
   const SharedNodes& shared = ranks_.shared();
   std::vector<double> sides(mesh_.nodes.size() * 2, 0.0);  // elements behind, in front
   for (std::int32_t e = 0; e < mesh_.num_elements(); ++e) {
-    const auto nodes = mesh_.element(e);
-    const std::size_t side = is_behind(nodes) ? 0 : 1;
-    for (const std::int32_t i : nodes) sides[static_cast<std::size_t>(i) * 2 + side] += 1;
+    const std::size_t side = is_behind(mesh_.element(e)) ? 0 : 1;
+    for (const std::int32_t i : nodes_of(settings, e))
+      sides[static_cast<std::size_t>(i) * 2 + side] += 1;
   }
   shared.sum(sides, 2);
   double own = 0;
@@ -61,9 +72,10 @@ bool SectionForces<dim>::is_behind(std::span<const std::int32_t> nodes) const {
 }
 
 template <int dim>
-bool SectionForces<dim>::is_cut(std::span<const std::int32_t> nodes) const {
-  return is_behind(nodes) &&
-         std::ranges::any_of(nodes, [this](std::int32_t i) { return cut_[i] != 0; });
+bool SectionForces<dim>::is_cut(const FemSettings<dim>& settings, std::int32_t element) const {
+  return is_behind(mesh_.element(element)) &&
+         std::ranges::any_of(nodes_of(settings, element),
+                             [this](std::int32_t i) { return cut_[i] != 0; });
 }
 
 /// The cells and lines behind the plane that have nodes of the cut, block by block.
@@ -75,7 +87,7 @@ void SectionForces<dim>::find_parts(const FemSettings<dim>& settings,
     std::vector<std::int32_t> own;
     std::vector<std::size_t> places;
     for (std::size_t k = 0; k < block.cells().size(); ++k) {
-      if (!is_cut(mesh_.cell(block.cells()[k]))) continue;
+      if (!is_cut(settings, block.cells()[k])) continue;
       own.push_back(block.cells()[k]);
       places.push_back(k);
     }
@@ -88,14 +100,14 @@ void SectionForces<dim>::find_parts(const FemSettings<dim>& settings,
     std::vector<std::int32_t> own;
     std::vector<std::size_t> places;
     for (std::size_t k = 0; k < block.lines().size(); ++k) {
-      if (!is_cut(mesh_.line(block.lines()[k]))) continue;
+      if (!is_cut(settings, mesh_.num_cells() + block.lines()[k])) continue;
       own.push_back(block.lines()[k]);
       places.push_back(k);
     }
     if (own.empty()) continue;
-    line_parts_.push_back(
-        {LineBlock<dim>(mesh_, block.material(), std::move(own), settings.lumped_mass), b,
-         std::move(places)});
+    line_parts_.push_back({LineBlock<dim>(mesh_, block.material(), std::move(own),
+                                          settings.lumped_mass, settings.embedded),
+                           b, std::move(places)});
   }
 }
 

@@ -43,7 +43,7 @@ class SectionForces {
   };
   void find_parts(const FemSettings<dim>& settings, const CellIntegrals<dim>& cells);
   bool is_behind(std::span<const std::int32_t> nodes) const;
-  bool is_cut(std::span<const std::int32_t> nodes) const;
+  bool is_cut(const FemSettings<dim>& settings, std::int32_t element) const;
   std::vector<double> forces_behind(const StructureState& state,
                                     const CellIntegrals<dim>& cells) const;
 

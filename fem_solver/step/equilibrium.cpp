@@ -31,7 +31,7 @@ CellIntegrals<dim> make_cells(const FemSettings<dim>& settings) {
   together<ConfigError>(settings.ranks.comm(), [&] {
     refuse_loose_cells<dim>(settings.mesh, settings.materials, settings.ranks);
     cells.emplace(settings.mesh, settings.materials, settings.lumped_mass, settings.ranks,
-                  settings.line_materials);
+                  LinesOfMesh<dim>(settings.line_materials, &settings.embedded));
   });
   cells->set_nodal_parts(nodal_parts(settings));
   return std::move(*cells);
@@ -45,6 +45,7 @@ Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
     : comm_(comm),
       ranks_(settings.ranks),
       conditions_(conditions),
+      embedded_(settings.embedded),
       cells_(make_cells(settings)),
       has_lines_(!settings.line_materials.empty()),
       scheme_(settings.time_integration),
@@ -263,6 +264,7 @@ StructureMotion Equilibrium<dim>::motion_after(std::span<const double> du) const
     next.a[i] = end_acceleration(i, du[i]);
     next.v[i] = end_velocity(i, du[i], next.a[i]);
   }
+  for (auto* y : {&next.u, &next.v, &next.a}) embedded_.follow(*y);
   return next;
 }
 

@@ -136,6 +136,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   MPI_Comm comm_;
   const MeshRanks& ranks_;
   const BoundaryConditions<dim>& conditions_;
+  const EmbeddedNodes<dim>& embedded_;
   CellIntegrals<dim> cells_;
   std::unique_ptr<Damping<dim>> damping_;  // null: none
   bool has_lines_;                         // a rank has some

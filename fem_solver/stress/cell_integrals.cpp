@@ -41,13 +41,11 @@ void check_formulation(const CellMaterial<dim>& material, CellType type) {
 template <int dim>
 CellIntegrals<dim>::CellIntegrals(const Mesh<dim>& mesh,
                                   std::span<const CellMaterial<dim>> materials, bool lumped_mass,
-                                  const MeshRanks& ranks,
-                                  std::span<const LineMaterial> line_materials)
+                                  const MeshRanks& ranks, const LinesOfMesh<dim>& lines)
     : nodes_per_cell_(mesh.nodes_per_cell()),
       num_nodes_(mesh.num_nodes_total()),
       num_cells_(mesh.num_cells()),
-      cell_nodes_(mesh.cells),
-      line_nodes_(mesh.lines) {
+      cell_nodes_(mesh.cells) {
   double smallest_volume = std::numeric_limits<double>::infinity();
   for (std::int32_t c = 0; c < num_cells_; ++c) {
     smallest_volume = std::min(smallest_volume, cell_volume(mesh, c));
@@ -59,7 +57,7 @@ CellIntegrals<dim>::CellIntegrals(const Mesh<dim>& mesh,
     smallest_cell_size_ = std::min(smallest_cell_size_, length);
   }
   make_blocks(mesh, materials, ranks);
-  make_line_blocks(mesh, line_materials, lumped_mass, ranks);
+  make_line_blocks(mesh, lines, lumped_mass, ranks);
   compute_mass(mesh, lumped_mass);
 }
 
@@ -77,12 +75,19 @@ void CellIntegrals<dim>::make_blocks(const Mesh<dim>& mesh,
 }
 
 template <int dim>
-void CellIntegrals<dim>::make_line_blocks(const Mesh<dim>& mesh,
-                                          std::span<const LineMaterial> materials, bool lumped,
-                                          const MeshRanks& ranks) {
-  auto lines = lines_of_materials<dim>(mesh, materials, ranks);
-  for (std::size_t m = 0; m < materials.size(); ++m) {
-    line_blocks_.emplace_back(mesh, materials[m], std::move(lines[m]), lumped);
+void CellIntegrals<dim>::make_line_blocks(const Mesh<dim>& mesh, const LinesOfMesh<dim>& lines,
+                                          bool lumped, const MeshRanks& ranks) {
+  const EmbeddedNodes<dim> none;
+  const EmbeddedNodes<dim>& embedded = lines.embedded ? *lines.embedded : none;
+  for (std::int32_t l = 0; l < mesh.num_lines(); ++l) {
+    const auto nodes = embedded.line_nodes(mesh, l);
+    line_nodes_.insert(line_nodes_.end(), nodes.begin(), nodes.end());
+    line_ends_.push_back(static_cast<std::int32_t>(line_nodes_.size()));
+  }
+  auto of_materials = lines_of_materials<dim>(mesh, lines.materials, ranks);
+  for (std::size_t m = 0; m < lines.materials.size(); ++m) {
+    line_blocks_.emplace_back(mesh, lines.materials[m], std::move(of_materials[m]), lumped,
+                              embedded);
   }
 }
 
@@ -194,7 +199,8 @@ void CellIntegrals<dim>::set_pattern(BlockMatrix<dim>& K) const {
   }
   std::vector<std::int32_t> nodes = cell_nodes_;
   nodes.insert(nodes.end(), line_nodes_.begin(), line_nodes_.end());
-  while (offsets.size() <= num_elements()) offsets.push_back(offsets.back() + 2);
+  const std::int32_t first = offsets.back();
+  for (const std::int32_t end : line_ends_) offsets.push_back(first + end);
   K.set_pattern(num_nodes_, offsets, nodes);
 }
 
@@ -290,7 +296,7 @@ double CellIntegrals<dim>::brake_work(std::span<const double> history) const {
 template <int dim>
 std::vector<double> CellIntegrals<dim>::line_forces(std::span<const double> u,
                                                     std::span<const double> history) const {
-  std::vector<double> result(line_nodes_.size() / 2, 0.0);
+  std::vector<double> result(num_lines(), 0.0);
   for (std::size_t b = 0; b < line_blocks_.size(); ++b) {
     const auto lines = line_blocks_[b].lines();
     const auto forces = line_blocks_[b].forces(u, of_line_block(history, b));
@@ -301,7 +307,7 @@ std::vector<double> CellIntegrals<dim>::line_forces(std::span<const double> u,
 
 template <int dim>
 std::vector<double> CellIntegrals<dim>::line_runs(std::span<const double> history) const {
-  std::vector<double> result(line_nodes_.size() / 2, 0.0);
+  std::vector<double> result(num_lines(), 0.0);
   for (std::size_t b = 0; b < line_blocks_.size(); ++b) {
     if (!line_blocks_[b].material().brake) continue;
     const auto lines = line_blocks_[b].lines();

@@ -12,6 +12,16 @@
 
 namespace gabion::fem {
 
+/// Materials of lines, and their nodes inside cells; null: none. Refers to its arguments.
+template <int dim>
+struct LinesOfMesh {
+  LinesOfMesh() = default;
+  LinesOfMesh(const std::vector<LineMaterial>& of_groups, const EmbeddedNodes<dim>* nodes = nullptr)
+      : materials(of_groups), embedded(nodes) {}
+  std::span<const LineMaterial> materials;
+  const EmbeddedNodes<dim>* embedded = nullptr;
+};
+
 /// Integrals over the cells and lines of a mesh, or a rank's part of one, in the reference
 /// configuration: sums over those of this rank alone, block by block, lines behind the others. The
 /// history is that of the blocks, one after the other; it is empty where no block has any.
@@ -20,12 +30,11 @@ class CellIntegrals {
  public:
   /// @param materials  of all cells, or each of a group of cells
   /// @param ranks      for the number of a cell in messages
-  /// @param line_materials  each of a group of lines
+  /// @param lines      their materials, each of a group of lines, and which nodes are embedded
   /// @throws ConfigError  a cell with a Jacobian <= 0 at a quadrature point; one without material,
   ///                      or with two, as of a line; a formulation that its type does not have
   CellIntegrals(const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials,
-                bool lumped_mass, const MeshRanks& ranks = {},
-                std::span<const LineMaterial> line_materials = {});
+                bool lumped_mass, const MeshRanks& ranks = {}, const LinesOfMesh<dim>& lines = {});
 
   /// Take these, too, into all sums below.
   void set_nodal_parts(NodalParts<dim> parts) { nodal_parts_ = std::move(parts); }
@@ -96,9 +105,10 @@ class CellIntegrals {
     return {cell_nodes_.data() + static_cast<std::size_t>(c) * nodes_per_cell_,
             static_cast<std::size_t>(nodes_per_cell_)};
   }
-  void make_line_blocks(const Mesh<dim>& mesh, std::span<const LineMaterial> materials, bool lumped,
+  void make_line_blocks(const Mesh<dim>& mesh, const LinesOfMesh<dim>& lines, bool lumped,
                         const MeshRanks& ranks);
-  std::size_t num_elements() const { return num_cells_ + line_nodes_.size() / 2; }
+  std::size_t num_lines() const { return line_ends_.size(); }
+  std::size_t num_elements() const { return static_cast<std::size_t>(num_cells_) + num_lines(); }
   template <class Visit>
   void for_each_cell_history(const Visit& visit) const;
 
@@ -107,7 +117,8 @@ class CellIntegrals {
   std::int32_t num_cells_ = 0;
   std::vector<std::int32_t> cell_nodes_;  // cells x nodes
   std::vector<CellBlock<dim>> blocks_;
-  std::vector<std::int32_t> line_nodes_;  // lines x 2
+  std::vector<std::int32_t> line_nodes_;  // that lines act on, line by line
+  std::vector<std::int32_t> line_ends_;   // end of each line in line_nodes_
   std::vector<LineBlock<dim>> line_blocks_;
   NodalParts<dim> nodal_parts_;
   std::vector<double> cell_masses_;    // cells x nodes x nodes [kg]; empty when lumped

@@ -22,18 +22,38 @@ Eigen::Map<Vector<dim>> at(std::span<double> f, std::int32_t node) {
   return Eigen::Map<Vector<dim>>(f.data() + static_cast<std::size_t>(node) * dim);
 }
 
+/// Matrix of the nodes of a line, in memory that is used again.
+using LineMatrix =
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+
+LineMatrix line_matrix(std::size_t num_unknowns, std::vector<double>& memory) {
+  memory.resize(num_unknowns * num_unknowns);
+  const auto n = static_cast<Eigen::Index>(num_unknowns);
+  return {memory.data(), n, n};
+}
+
+template <int dim>
+void set_block(LineMatrix& K, std::size_t a, std::size_t b, const Matrix<dim>& S) {
+  K.template block<dim, dim>(static_cast<Eigen::Index>(a) * dim,
+                             static_cast<Eigen::Index>(b) * dim) = S;
+}
+
 }  // namespace
 
 template <int dim>
 LineBlock<dim>::LineBlock(const Mesh<dim>& mesh, const LineMaterial& material,
-                          std::vector<std::int32_t> lines, bool lumped_mass)
+                          std::vector<std::int32_t> lines, bool lumped_mass,
+                          const EmbeddedNodes<dim>& embedded)
     : material_(material),
       lines_(std::move(lines)),
       num_cells_(mesh.num_cells()),
       lumped_mass_(lumped_mass) {
   for (const std::int32_t l : lines_) {
     const auto ends = mesh.line(l);
-    nodes_.insert(nodes_.end(), ends.begin(), ends.end());
+    for (const std::int32_t i : embedded.line_nodes(mesh, l)) {
+      shares_.push_back({i, embedded.weight(ends[0], i), embedded.weight(ends[1], i)});
+    }
+    starts_.push_back(shares_.size());
     chords_.push_back(mesh.nodes[ends[1]] - mesh.nodes[ends[0]]);
     free_lengths_.push_back(material_.length_ratio * chords_.back().norm());
     if (!material_.brake) continue;
@@ -48,17 +68,30 @@ LineBlock<dim>::LineBlock(const Mesh<dim>& mesh, const LineMaterial& material,
 
 template <int dim>
 typename LineBlock<dim>::Ends LineBlock<dim>::ends(std::size_t k, std::span<const double> u) const {
-  const Vector<dim> chord = chords_[k] + at<dim>(u, node(k, 1)) - at<dim>(u, node(k, 0));
+  Vector<dim> u_1 = Vector<dim>::Zero(), u_2 = Vector<dim>::Zero();
+  for (const Share& share : shares(k)) {
+    u_1 += share.first * at<dim>(u, share.node);
+    u_2 += share.second * at<dim>(u, share.node);
+  }
+  const Vector<dim> chord = chords_[k] + u_2 - u_1;
   const double length = chord.norm();
   return {.direction = length > 0 ? Vector<dim>(chord / length) : Vector<dim>::Zero(),
           .length = length};
 }
 
-/// K_11 = K_22 += S, K_12 = K_21 -= S.
+/// K_ab += g_a g_b S, g the share in the second end less that in the first: K_11 = K_22 += S and
+/// K_12 = K_21 -= S where both ends are nodes.
 template <int dim>
-void LineBlock<dim>::add_pair(std::size_t k, const Matrix<dim>& S, BlockMatrix<dim>& K) const {
-  Eigen::Matrix<double, 2 * dim, 2 * dim, Eigen::RowMajor> K_line;
-  K_line << S, -S, -S, S;
+void LineBlock<dim>::add_pair(std::size_t k, const Matrix<dim>& S, BlockMatrix<dim>& K,
+                              std::vector<double>& memory) const {
+  const auto own = shares(k);
+  LineMatrix K_line = line_matrix(own.size() * dim, memory);
+  for (std::size_t a = 0; a < own.size(); ++a) {
+    for (std::size_t b = 0; b < own.size(); ++b) {
+      const double share = (own[a].second - own[a].first) * (own[b].second - own[b].first);
+      set_block<dim>(K_line, a, b, share * S);
+    }
+  }
   K.add_cell(num_cells_ + lines_[k], K_line.data());
 }
 
@@ -66,6 +99,7 @@ template <int dim>
 StressIntegral LineBlock<dim>::add_internal(std::span<const double> u, std::span<double> f_int,
                                             BlockMatrix<dim>* K, HistoryStep history) const {
   StressIntegral result;
+  std::vector<double> memory;
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     const auto [e, length] = ends(k, u);
     const HistoryStep own = history.part(k * history_width(), history_width());
@@ -77,19 +111,23 @@ StressIntegral LineBlock<dim>::add_internal(std::span<const double> u, std::span
               .fault = "no length",
               .energy = result.energy};
     }
-    at<dim>(f_int, node(k, 1)) += line.force * e;
-    at<dim>(f_int, node(k, 0)) -= line.force * e;
+    for (const Share& share : shares(k)) {
+      at<dim>(f_int, share.node) += (share.second - share.first) * (line.force * e);
+    }
     if (!K) continue;
     const Matrix<dim> along = e * e.transpose();
-    add_pair(k, line.slope * along + line.force / length * (Matrix<dim>::Identity() - along), *K);
+    add_pair(k, line.slope * along + line.force / length * (Matrix<dim>::Identity() - along), *K,
+             memory);
   }
   return result;
 }
 
 template <int dim>
 void LineBlock<dim>::add_stiffness(double share, BlockMatrix<dim>& K) const {
+  std::vector<double> memory;
   for (std::size_t k = 0; k < lines_.size(); ++k) {
-    add_pair(k, share * material_.stiffness() / free_lengths_[k] * Matrix<dim>::Identity(), K);
+    const double stiffness = share * material_.stiffness() / free_lengths_[k];
+    add_pair(k, stiffness * Matrix<dim>::Identity(), K, memory);
   }
 }
 
@@ -97,21 +135,38 @@ template <int dim>
 void LineBlock<dim>::add_mass_times(std::span<const double> a, std::span<double> f) const {
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     const double mass = material_.density * material_.area * free_lengths_[k];
-    const Vector<dim> a_1 = at<dim>(a, node(k, 0)), a_2 = at<dim>(a, node(k, 1));
+    Vector<dim> a_1 = Vector<dim>::Zero(), a_2 = Vector<dim>::Zero();
+    for (const Share& share : shares(k)) {
+      a_1 += share.first * at<dim>(a, share.node);
+      a_2 += share.second * at<dim>(a, share.node);
+    }
     const double own = lumped_mass_ ? 1.0 / 2 : 1.0 / 3, other = 0.5 - own;
-    at<dim>(f, node(k, 0)) += mass * (own * a_1 + other * a_2);
-    at<dim>(f, node(k, 1)) += mass * (own * a_2 + other * a_1);
+    const Vector<dim> f_1 = mass * (own * a_1 + other * a_2);
+    const Vector<dim> f_2 = mass * (own * a_2 + other * a_1);
+    for (const Share& share : shares(k)) {
+      at<dim>(f, share.node) += share.first * f_1 + share.second * f_2;
+    }
   }
 }
 
 template <int dim>
 void LineBlock<dim>::add_mass(double scale, BlockMatrix<dim>& K) const {
   const Matrix<dim> unit = Matrix<dim>::Identity();
+  std::vector<double> memory;
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     const double mass = scale * material_.density * material_.area * free_lengths_[k];
     const double own = lumped_mass_ ? 1.0 / 2 : 1.0 / 3, other = 0.5 - own;
-    Eigen::Matrix<double, 2 * dim, 2 * dim, Eigen::RowMajor> M;
-    M << own * unit, other * unit, other * unit, own * unit;
+    const auto nodes = shares(k);
+    LineMatrix M = line_matrix(nodes.size() * dim, memory);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const Share& a = nodes[i];
+      for (std::size_t j = 0; j < nodes.size(); ++j) {
+        const Share& b = nodes[j];
+        const double share = own * (a.first * b.first + a.second * b.second) +
+                             other * (a.first * b.second + a.second * b.first);
+        set_block<dim>(M, i, j, share * unit);
+      }
+    }
     M *= mass;
     K.add_cell(num_cells_ + lines_[k], M.data());
   }

@@ -9,6 +9,7 @@
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "fem_solver/materials/line_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
+#include "fem_solver/stress/embedded_nodes.hpp"
 #include "fem_solver/stress/stress_integral.hpp"
 
 namespace gabion::fem {
@@ -20,9 +21,10 @@ class LineBlock {
  public:
   /// @param lines        of the mesh
   /// @param lumped_mass  half of the mass at each end instead of the consistent mass
+  /// @param embedded     ends that move with cells, whose nodes then take their forces and masses
   /// @throws ConfigError  a brake whose force falls more steeply than a line stretches
   LineBlock(const Mesh<dim>& mesh, const LineMaterial& material, std::vector<std::int32_t> lines,
-            bool lumped_mass);
+            bool lumped_mass, const EmbeddedNodes<dim>& embedded = {});
 
   /// f_2 = N e, f_1 = -N e, e the direction of the deformed line, and on demand
   /// K_22 = dN/dl e e^T + N/l (1 - e e^T) = -K_12. See CellIntegrals::add_internal; a fault is of
@@ -54,16 +56,25 @@ class LineBlock {
     double length;          ///< deformed [m]
   };
   Ends ends(std::size_t k, std::span<const double> u) const;
-  std::int32_t node(std::size_t k, int end) const { return nodes_[2 * k + end]; }
-  void add_pair(std::size_t k, const Matrix<dim>& S, BlockMatrix<dim>& K) const;
+  /// A node that a line acts on, with its shares in the displacements of both ends.
+  struct Share {
+    std::int32_t node;
+    double first, second;
+  };
+  std::span<const Share> shares(std::size_t k) const {
+    return std::span(shares_).subspan(starts_[k], starts_[k + 1] - starts_[k]);
+  }
+  void add_pair(std::size_t k, const Matrix<dim>& S, BlockMatrix<dim>& K,
+                std::vector<double>& memory) const;
 
   LineMaterial material_;
   std::vector<std::int32_t> lines_;  // of the mesh
   std::int32_t num_cells_ = 0;       // of the mesh
   bool lumped_mass_ = false;
-  std::vector<std::int32_t> nodes_;   // lines x 2
-  std::vector<Vector<dim>> chords_;   // from the first node to the second, in the mesh [m]
-  std::vector<double> free_lengths_;  // without stress [m]
+  std::vector<std::size_t> starts_ = {0};  // of each line in shares_
+  std::vector<Share> shares_;              // its ends, or the nodes of their hosts
+  std::vector<Vector<dim>> chords_;        // from the first node to the second, in the mesh [m]
+  std::vector<double> free_lengths_;       // without stress [m]
 };
 
 }  // namespace gabion::fem

@@ -98,6 +98,9 @@ template <int dim>
 BoundaryConditions<dim>::BoundaryConditions(const FemSettings<dim>& settings) {
   std::vector<int> owner;
   together<ConfigError>(settings.ranks.comm(), [&] { owner = find_owners(settings); });
+  for (const std::int32_t i : settings.embedded.nodes) {  // no unknowns
+    for (int c = 0; c < dim; ++c) owner[static_cast<std::size_t>(i) * dim + c] = fixed_dof;
+  }
   collect_constraints(owner);
   collect_loads(settings);
 }
