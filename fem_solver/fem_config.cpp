@@ -2,8 +2,10 @@
 #include "fem_solver/fem_config.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <set>
 #include <tuple>
@@ -31,25 +33,43 @@ Vector<dim> read_vector(ConfigReader& in, const std::string& key) {
   return Eigen::Map<const Vector<dim>>(in.vector(key, dim).data());
 }
 
+/// Components by their numbers, each of the allowed ones once.
+std::vector<int> numbers_of(const ConfigReader& in, const std::string& key,
+                            const std::vector<std::string>& words,
+                            const std::vector<std::string>& allowed) {
+  std::vector<int> result;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto found = std::find(allowed.begin(), allowed.end(), words[i]);
+    if (found == allowed.end()) {
+      in.fail(fmt::format("{}/{}", key, i),
+              fmt::format("found \"{}\", allowed: {}", words[i], fmt::join(allowed, ", ")));
+    }
+    if (std::find(words.begin(), words.begin() + i, words[i]) != words.begin() + i) {
+      in.fail(fmt::format("{}/{}", key, i),
+              fmt::format("found \"{}\" a second time, allowed: each component once", words[i]));
+    }
+    result.push_back(static_cast<int>(std::ranges::find(component_names, words[i]) -
+                                      std::begin(component_names)));
+  }
+  return result;
+}
+
 template <int dim>
 std::vector<int> read_components(ConfigReader& in) {
   const auto allowed = allowed_components<dim>();
   const auto words = in.texts_or("components", allowed);
   if (words.empty()) in.fail("components", "found [], allowed: at least one component");
-  std::vector<int> result;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const auto found = std::find(allowed.begin(), allowed.end(), words[i]);
-    if (found == allowed.end()) {
-      in.fail(fmt::format("components/{}", i),
-              fmt::format("found \"{}\", allowed: x, y{}", words[i], dim == 3 ? ", z" : ""));
-    }
-    if (std::find(words.begin(), words.begin() + i, words[i]) != words.begin() + i) {
-      in.fail(fmt::format("components/{}", i),
-              fmt::format("found \"{}\" a second time, allowed: each component once", words[i]));
-    }
-    result.push_back(static_cast<int>(found - allowed.begin()));
-  }
-  return result;
+  return numbers_of(in, "components", words, allowed);
+}
+
+/// Axes about which beams do not turn; in the plane it is z.
+template <int dim>
+std::vector<int> read_rotations(ConfigReader& in) {
+  const std::vector<std::string> plane = {"z"};
+  const auto allowed = dim == 2 ? plane : allowed_components<3>();
+  return numbers_of(in, "rotations",
+                    in.has("rotations") ? in.texts("rotations") : std::vector<std::string>(),
+                    allowed);
 }
 
 template <int dim>
@@ -58,6 +78,7 @@ SupportSettings read_support(ConfigReader in) {
   s.group = in.text("group");
   s.where = in.where("group");
   s.components = read_components<dim>(in);
+  s.rotations = read_rotations<dim>(in);
   s.report_reaction = in.boolean("report_reaction");
   s.report_moment = in.boolean("report_moment");
   in.finish();
@@ -134,6 +155,10 @@ LoadSettings<dim> read_load(ConfigReader in) {
   LoadSettings<dim> load;
   read_place<dim>(in, load);
   load.force = read_vector<dim>(in, "force");
+  if (in.has("moment")) {
+    const auto moment = in.vector("moment", dim == 2 ? 1 : 3);
+    for (std::size_t k = 0; k < moment.size(); ++k) load.moment[dim == 2 ? 2 : k] = moment[k];
+  }
   load.factor = read_factor(in);
   in.finish();
   return load;
@@ -369,6 +394,7 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
   auto ranked = read_mesh_with_lines<dim>(scene, in, s, comm);
   s.mesh = std::move(ranked.mesh);
   s.ranks = std::move(ranked.ranks);
+  add_rotation_nodes(in, s);
   s.gravity = read_vector<dim>(in, "gravity");
   read_motion<dim>(in, s);
   if (s.dynamic) s.lumped_mass = in.choice("mass") == "lumped";
@@ -377,6 +403,7 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
   }
   read_conditions(in, s);
   check_damping(s);
+  check_rotations(s);
   together<ConfigError>(comm, [&] { check_held_parts(in, s, ranked.connection); });
   warn_of_unused_groups(in, s);
   if (!s.interfaces.empty()) require_balance_at_end_of_step(in, s.time_integration);

@@ -31,7 +31,7 @@ CellIntegrals<dim> make_cells(const FemSettings<dim>& settings) {
   together<ConfigError>(settings.ranks.comm(), [&] {
     refuse_loose_cells<dim>(settings.mesh, settings.materials, settings.ranks);
     cells.emplace(settings.mesh, settings.materials, settings.lumped_mass, settings.ranks,
-                  settings.line_materials);
+                  settings.line_materials, settings.beam_nodes());
   });
   cells->set_nodal_parts(nodal_parts(settings));
   return std::move(*cells);
@@ -46,7 +46,8 @@ Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
       ranks_(settings.ranks),
       conditions_(conditions),
       cells_(make_cells(settings)),
-      has_lines_(!settings.line_materials.empty()),
+      has_lines_(std::ranges::any_of(settings.line_materials,
+                                     [](const auto& material) { return !material.beam; })),
       scheme_(settings.time_integration),
       smallest_cell_size_(-shared().largest(-cells_.smallest_cell_size())),
       num_dofs_(settings.mesh.nodes.size() * dim),
@@ -76,6 +77,7 @@ void Equilibrium<dim>::find_wave_speed(const FemSettings<dim>& settings) {
         material.law);
   }
   for (const LineMaterial& material : settings.line_materials) {
+    if (material.beam && dim == 3) symmetric_ = false;  // moments on spins
     wave_speed_ = std::max(wave_speed_, std::sqrt(material.young_modulus / material.density));
   }
 }

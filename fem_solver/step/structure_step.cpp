@@ -20,6 +20,15 @@ bool is_zero(double x) {
   return x == 0;
 }
 
+/// Rotations of beams are foreign to the methods that take iterations.
+template <int dim>
+LinearSolverSettings linear_settings(const FemSettings<dim>& settings) {
+  auto linear = with_kept_factor<dim>(settings.linear_solver, settings.mesh, settings.ranks,
+                                      settings.dynamic);
+  if (settings.beam_nodes().any() && linear.method == "auto") linear.method = "mumps";
+  return linear;
+}
+
 /// Coordinates of the nodes that this rank owns [m].
 template <int dim>
 std::vector<double> coordinates(const FemSettings<dim>& settings) {
@@ -33,7 +42,8 @@ template <int dim>
 std::vector<double> gravity_forces(const FemSettings<dim>& settings,
                                    const Equilibrium<dim>& equilibrium) {
   std::vector<double> g(equilibrium.num_dofs());
-  for (std::size_t i = 0; i < g.size(); ++i) g[i] = settings.gravity[i % dim];
+  const auto places = static_cast<std::size_t>(settings.num_places()) * dim;
+  for (std::size_t i = 0; i < places; ++i) g[i] = settings.gravity[i % dim];
   return settings.gravity.isZero(0) ? std::vector<double>(g.size(), 0.0)
                                     : equilibrium.mass_times(g);
 }
@@ -45,13 +55,12 @@ StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm com
     : dynamic_(settings.dynamic),
       initial_equilibrium_(settings.initial_equilibrium),
       initial_velocity_(settings.initial_velocity),
+      num_places_(static_cast<std::size_t>(settings.num_places())),
       slender_(is_slender(settings.mesh, settings.ranks)),
       newton_(settings.newton),
       conditions_(settings),
       equilibrium_(settings, conditions_, comm),
-      linear_(comm, dim,
-              with_kept_factor<dim>(settings.linear_solver, settings.mesh, settings.ranks,
-                                    settings.dynamic)),
+      linear_(comm, dim, linear_settings(settings)),
       weight_(gravity_forces(settings, equilibrium_)) {
   equilibrium_.set_pattern(K_);
   linear_.set_coordinates(coordinates(settings));
@@ -119,7 +128,7 @@ StructureState StructureStep<dim>::state_of(std::vector<double> u, std::vector<d
 template <int dim>
 StructureState StructureStep<dim>::initial_state() {
   std::vector<double> u(equilibrium_.num_dofs(), 0.0), v(equilibrium_.num_dofs());
-  for (std::size_t i = 0; i < v.size(); ++i) v[i] = initial_velocity_[i % dim];
+  for (std::size_t i = 0; i < num_places_ * dim; ++i) v[i] = initial_velocity_[i % dim];
   if (!initial_equilibrium_) {
     StructureState state = state_of(std::move(u), std::move(v));
     if (dynamic_) state.external_work = work_before_start(equilibrium_, conditions_, state);

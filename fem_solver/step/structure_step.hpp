@@ -85,6 +85,7 @@ class StructureStep {
   bool dynamic_;
   bool initial_equilibrium_;
   Vector<dim> initial_velocity_;
+  std::size_t num_places_;  // nodes without those of rotations
   bool slender_;
   NewtonSettings newton_;
   BoundaryConditions<dim> conditions_;

@@ -21,11 +21,13 @@ class CellIntegrals {
   /// @param materials  of all cells, or each of a group of cells
   /// @param ranks      for the number of a cell in messages
   /// @param line_materials  each of a group of lines
+  /// @param beam_nodes      of the mesh, for beams
   /// @throws ConfigError  a cell with a Jacobian <= 0 at a quadrature point; one without material,
   ///                      or with two, as of a line; a formulation that its type does not have
   CellIntegrals(const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials,
                 bool lumped_mass, const MeshRanks& ranks = {},
-                std::span<const LineMaterial> line_materials = {});
+                std::span<const LineMaterial> line_materials = {},
+                const BeamNodes& beam_nodes = {});
 
   /// Take these, too, into all sums below.
   void set_nodal_parts(NodalParts<dim> parts) { nodal_parts_ = std::move(parts); }
@@ -97,7 +99,7 @@ class CellIntegrals {
             static_cast<std::size_t>(nodes_per_cell_)};
   }
   void make_line_blocks(const Mesh<dim>& mesh, std::span<const LineMaterial> materials, bool lumped,
-                        const MeshRanks& ranks);
+                        const MeshRanks& ranks, const BeamNodes& beam_nodes);
   std::size_t num_elements() const { return num_cells_ + line_nodes_.size() / 2; }
   template <class Visit>
   void for_each_cell_history(const Visit& visit) const;
@@ -108,6 +110,7 @@ class CellIntegrals {
   std::vector<std::int32_t> cell_nodes_;  // cells x nodes
   std::vector<CellBlock<dim>> blocks_;
   std::vector<std::int32_t> line_nodes_;  // lines x 2
+  std::vector<std::int32_t> rotations_;   // lines x 2: nodes of beams' rotations, -1: no beam
   std::vector<LineBlock<dim>> line_blocks_;
   NodalParts<dim> nodal_parts_;
   std::vector<double> cell_masses_;    // cells x nodes x nodes [kg]; empty when lumped

@@ -26,11 +26,13 @@ Eigen::Map<Vector<dim>> at(std::span<double> f, std::int32_t node) {
 
 template <int dim>
 LineBlock<dim>::LineBlock(const Mesh<dim>& mesh, const LineMaterial& material,
-                          std::vector<std::int32_t> lines, bool lumped_mass)
+                          std::vector<std::int32_t> lines, bool lumped_mass,
+                          const BeamNodes& beam_nodes)
     : material_(material),
       lines_(std::move(lines)),
       num_cells_(mesh.num_cells()),
       lumped_mass_(lumped_mass) {
+  if (material_.beam) beams_.emplace(mesh, material_, lines_, beam_nodes);
   for (const std::int32_t l : lines_) {
     const auto ends = mesh.line(l);
     nodes_.insert(nodes_.end(), ends.begin(), ends.end());
@@ -65,6 +67,7 @@ void LineBlock<dim>::add_pair(std::size_t k, const Matrix<dim>& S, BlockMatrix<d
 template <int dim>
 StressIntegral LineBlock<dim>::add_internal(std::span<const double> u, std::span<double> f_int,
                                             BlockMatrix<dim>* K, HistoryStep history) const {
+  if (beams_) return beams_->add_internal(u, f_int, K, history);
   StressIntegral result;
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     const auto [e, length] = ends(k, u);
@@ -88,6 +91,7 @@ StressIntegral LineBlock<dim>::add_internal(std::span<const double> u, std::span
 
 template <int dim>
 void LineBlock<dim>::add_stiffness(double share, BlockMatrix<dim>& K) const {
+  if (beams_) return;
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     add_pair(k, share * material_.stiffness() / free_lengths_[k] * Matrix<dim>::Identity(), K);
   }
@@ -95,6 +99,7 @@ void LineBlock<dim>::add_stiffness(double share, BlockMatrix<dim>& K) const {
 
 template <int dim>
 void LineBlock<dim>::add_mass_times(std::span<const double> a, std::span<double> f) const {
+  if (beams_) beams_->add_rotary_mass_times(a, f);
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     const double mass = material_.density * material_.area * free_lengths_[k];
     const Vector<dim> a_1 = at<dim>(a, node(k, 0)), a_2 = at<dim>(a, node(k, 1));
@@ -110,17 +115,29 @@ void LineBlock<dim>::add_mass(double scale, BlockMatrix<dim>& K) const {
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     const double mass = scale * material_.density * material_.area * free_lengths_[k];
     const double own = lumped_mass_ ? 1.0 / 2 : 1.0 / 3, other = 0.5 - own;
+    if (beams_) {
+      for (int end = 0; end < 2; ++end) {
+        K.add_block(node(k, end), node(k, end), own * mass * unit);
+        K.add_block(node(k, end), node(k, 1 - end), other * mass * unit);
+      }
+      continue;
+    }
     Eigen::Matrix<double, 2 * dim, 2 * dim, Eigen::RowMajor> M;
     M << own * unit, other * unit, other * unit, own * unit;
     M *= mass;
     K.add_cell(num_cells_ + lines_[k], M.data());
   }
+  if (beams_) beams_->add_rotary_mass(scale, K);
 }
 
 template <int dim>
 std::vector<double> LineBlock<dim>::forces(std::span<const double> u,
                                            std::span<const double> history) const {
   std::vector<double> forces;
+  if (beams_) {
+    for (const auto& beam : beams_->resultants(u, history)) forces.push_back(beam.force[0]);
+    return forces;
+  }
   const std::size_t width = history_width();
   std::vector<double> unused(width);
   for (std::size_t k = 0; k < lines_.size(); ++k) {
