@@ -16,8 +16,10 @@
 #include "common/mechanics/mesh/seen_facets.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "common/settings/plausible.hpp"
+#include "fem_solver/nodal_settings.hpp"
 #include "fem_solver/ranks/divide_mesh.hpp"
 #include "fem_solver/supports/held_parts.hpp"
+#include "fem_solver/supports/rotation_nodes.hpp"
 
 namespace gabion::fem {
 
@@ -102,68 +104,6 @@ PrescribedSettings read_prescribed(ConfigReader in) {
   return p;
 }
 
-TimeFunction read_factor(ConfigReader& in) {
-  return in.has("table") ? read_time_table(in) : TimeFunction::constant(1);
-}
-
-/// Read the place at which a load, mass or spring acts.
-template <int dim, class Settings>
-void read_place(ConfigReader& in, Settings& s) {
-  if (in.has("point") == in.has("group")) {
-    in.fail("point", "allowed: either \"point\" (coordinates of a node) or \"group\"");
-  }
-  if (in.has("point")) {
-    s.point = read_vector<dim>(in, "point");
-    s.where = in.where("point");
-  } else {
-    s.group = in.text("group");
-    s.where = in.where("group");
-  }
-}
-
-template <int dim>
-PointMassSettings<dim> read_point_mass(ConfigReader in) {
-  PointMassSettings<dim> s;
-  read_place<dim>(in, s);
-  s.mass = in.number("mass");
-  in.finish();
-  return s;
-}
-
-template <int dim>
-SpringSettings<dim> read_spring(ConfigReader in) {
-  SpringSettings<dim> s;
-  read_place<dim>(in, s);
-  s.stiffness = read_vector<dim>(in, "stiffness");
-  if (s.stiffness.isZero(0)) in.fail("stiffness", "found zero in all directions, allowed: > 0");
-  in.finish();
-  return s;
-}
-
-template <int dim>
-DashpotSettings<dim> read_dashpot(ConfigReader in) {
-  DashpotSettings<dim> s;
-  read_place<dim>(in, s);
-  s.damping = read_vector<dim>(in, "damping");
-  if (s.damping.isZero(0)) in.fail("damping", "found zero in all directions, allowed: > 0");
-  in.finish();
-  return s;
-}
-
-template <int dim>
-LoadSettings<dim> read_load(ConfigReader in) {
-  LoadSettings<dim> load;
-  read_place<dim>(in, load);
-  load.force = read_vector<dim>(in, "force");
-  if (in.has("moment")) {
-    const auto moment = in.vector("moment", dim == 2 ? 1 : 3);
-    for (std::size_t k = 0; k < moment.size(); ++k) load.moment[dim == 2 ? 2 : k] = moment[k];
-  }
-  load.factor = read_factor(in);
-  in.finish();
-  return load;
-}
-
 template <int dim>
 TractionSettings<dim> read_traction(ConfigReader in) {
   TractionSettings<dim> t;
@@ -241,6 +181,20 @@ void require_support(const ConfigReader& in, const FemSettings<dim>& s) {
   }
 }
 
+/// Of facets and around beams.
+template <int dim>
+void require_distinct_interfaces(const ConfigReader& in, const FemSettings<dim>& s) {
+  std::set<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (names.insert(name).second) return;
+    in.fail("interfaces",
+            fmt::format("found the name \"{}\" a second time, allowed: distinct names", name));
+  };
+  require_distinct_names(in, "interfaces", s.interfaces);
+  for (const auto& item : s.interfaces) add(item.name);
+  for (const auto& item : s.beam_surfaces) add(item.name);
+}
+
 template <int dim>
 void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
   for (auto& item : in.objects("supports")) {
@@ -259,11 +213,15 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
     s.tractions.push_back(read_traction<dim>(item));
   }
   for (auto& item : in.objects("interfaces")) {
-    s.interfaces.push_back(read_interface(item, "groups"));
+    if (item.has("beams")) {
+      s.beam_surfaces.push_back(read_beam_surface(item));
+    } else {
+      s.interfaces.push_back(read_interface(item, "groups"));
+    }
   }
   s.probes = read_probes<dim>(in);
   s.sections = read_sections<dim>(in);
-  require_distinct_names(in, "interfaces", s.interfaces);
+  require_distinct_interfaces(in, s);
   require_distinct_supports(in, s.supports);
   together<ConfigError>(s.ranks.comm(), [&] { require_distinct_facets(in, s); });
   if (s.initial_equilibrium || !s.dynamic) require_support(in, s);
@@ -406,7 +364,7 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
   check_rotations(s);
   together<ConfigError>(comm, [&] { check_held_parts(in, s, ranked.connection); });
   warn_of_unused_groups(in, s);
-  if (!s.interfaces.empty()) require_balance_at_end_of_step(in, s.time_integration);
+  if (s.coupled()) require_balance_at_end_of_step(in, s.time_integration);
   s.newton = read_newton_settings(in.object("newton"));
   s.linear_solver = read_linear_solver_settings(in.object("linear_solver"));
   if (in.has("$schema")) in.text("$schema");

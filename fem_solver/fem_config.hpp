@@ -94,6 +94,13 @@ struct WetSurfaceSettings {
   std::string where;
 };
 
+/// A coupled wet surface around the beams of these groups of lines.
+struct BeamSurfaceSettings {
+  std::string name;
+  std::vector<std::string> groups;
+  std::string where;
+};
+
 /// A point whose displacement is reported.
 template <int dim>
 struct ProbeSettings {
@@ -142,6 +149,8 @@ struct FemSettings : MotionSettings<dim> {
   std::vector<DashpotSettings<dim>> dashpots;
   std::vector<TractionSettings<dim>> tractions;
   std::vector<WetSurfaceSettings> interfaces;
+  std::vector<BeamSurfaceSettings> beam_surfaces;
+  bool coupled() const { return !interfaces.empty() || !beam_surfaces.empty(); }
   std::vector<ProbeSettings<dim>> probes;
   std::vector<SectionSettings<dim>> sections;
   BeamNodes beam_nodes() const { return {rotation_nodes, rotation_length}; }
@@ -175,15 +184,6 @@ template <int dim>
 std::vector<ProbeSettings<dim>> read_probes(ConfigReader& in);
 template <int dim>
 std::vector<SectionSettings<dim>> read_sections(ConfigReader& in);
-
-/// Give the nodes of beams a node for their rotation each, behind all others.
-/// @throws ConfigError  on several ranks
-template <int dim>
-void add_rotation_nodes(const ConfigReader& in, FemSettings<dim>& s);
-
-/// @throws ConfigError  rotations held, or moments on, nodes of no beam
-template <int dim>
-void check_rotations(const FemSettings<dim>& s);
 
 /// @throws ConfigError  damping in statics, or of a coupled structure with another scheme than the
 ///                      trapezoidal rule

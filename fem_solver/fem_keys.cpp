@@ -122,8 +122,13 @@ KeyTable interface_keys() {
        key::text("facets",
                  "File of the facets, rows of node numbers, normals outward as in Gmsh's order; "
                  "with `matrices`.")
+           .or_none(),
+       key::texts("beams",
+                  "Groups of beams; the surface is the outline of their section along them, of "
+                  "circles and pipes an octagon, in 2D the sides at half the height.")
+           .not_empty()
            .or_none()},
-      {"groups", "facets"}};
+      {"groups", "facets", "beams"}};
 }
 
 KeyTable probe_keys() {

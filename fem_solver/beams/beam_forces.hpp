@@ -14,6 +14,20 @@ struct BeamStiffness {
   Triple<double> moment;  ///< G J, E I_2, E I_3 [N m^2]
 };
 
+/// A beam in space without stress.
+struct StraightBeam {
+  BeamStiffness stiffness;
+  Turn<double> frame;  ///< from the axes of space to its own
+  double length = 0;   ///< [m]
+};
+
+/// A beam in the plane without stress.
+struct StraightFrame {
+  BeamStiffness stiffness;
+  std::array<double, 2> direction;  ///< length 1
+  double length = 0;                ///< [m]
+};
+
 /// Resultants of a section in the middle of a beam, on its own axes: on the part of the first node
 /// from that of the second.
 template <class S>
@@ -39,13 +53,12 @@ Triple<S> scaled(const Triple<double>& a, const Triple<S>& b) {
 
 /// Geometrically exact beam between two nodes, with one point and a constant curvature
 /// (docs/theory/structure.md).
-/// @param frame     rotation from the axes of space to those of the straight beam without stress
-/// @param length    of it [m]
 /// @param chord     from node 1 to node 2 [m]
 /// @param q_1, q_2  rotations of the nodes
 template <class S>
-BeamForces<S> beam_forces(const BeamStiffness& stiffness, const Turn<double>& frame, double length,
-                          const Triple<S>& chord, const Turn<S>& q_1, const Turn<S>& q_2) {
+BeamForces<S> beam_forces(const StraightBeam& beam, const Triple<S>& chord, const Turn<S>& q_1,
+                          const Turn<S>& q_2) {
+  const auto& [stiffness, frame, length] = beam;
   using std::sqrt;
   const Turn<S> L_0{frame.w, {frame.v[0], frame.v[1], frame.v[2]}};
   const Triple<S> psi = vector_of(inverse(q_1) * q_2);
@@ -81,13 +94,12 @@ struct FrameForces {
   S energy;            ///< [J]
 };
 
-/// @param direction  of the straight beam without stress, length 1
-/// @param chord      from node 1 to node 2 [m]
-/// @param t_1, t_2   angles of the nodes
+/// @param chord     from node 1 to node 2 [m]
+/// @param t_1, t_2  angles of the nodes
 template <class S>
-FrameForces<S> frame_forces(const BeamStiffness& stiffness, const std::array<double, 2>& direction,
-                            double length, const std::array<S, 2>& chord, const S& t_1,
+FrameForces<S> frame_forces(const StraightFrame& beam, const std::array<S, 2>& chord, const S& t_1,
                             const S& t_2) {
+  const auto& [stiffness, direction, length] = beam;
   using std::cos, std::sin;
   const S angle = S(0.5) * (t_1 + t_2), c = cos(angle), s = sin(angle);
   const S e_x = c * S(direction[0]) - s * S(direction[1]);

@@ -11,6 +11,20 @@
 
 namespace gabion::fem {
 
+namespace {
+
+/// Inside a circle.
+std::vector<Vector<2>> octagon(double radius) {
+  std::vector<Vector<2>> corners;
+  for (int k = 0; k < 8; ++k) {
+    const double angle = k * std::numbers::pi / 4;
+    corners.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+  }
+  return corners;
+}
+
+}  // namespace
+
 bool CrossSection::is_round() const {
   return moments[0] == moments[1] && shear_areas[0] == shear_areas[1];
 }
@@ -19,7 +33,8 @@ CrossSection CrossSection::over(double spacing) const {
   return {.area = area / spacing,
           .shear_areas = {shear_areas[0] / spacing, shear_areas[1] / spacing},
           .moments = {moments[0] / spacing, moments[1] / spacing},
-          .torsion_constant = torsion_constant / spacing};
+          .torsion_constant = torsion_constant / spacing,
+          .outline = outline};
 }
 
 CrossSection rectangle_section(double height, double width, double poisson_ratio) {
@@ -30,7 +45,11 @@ CrossSection rectangle_section(double height, double width, double poisson_ratio
   return {.area = area,
           .shear_areas = {shear, shear},
           .moments = {height * std::pow(width, 3) / 12, width * std::pow(height, 3) / 12},
-          .torsion_constant = torsion};
+          .torsion_constant = torsion,
+          .outline = {{height / 2, width / 2},
+                      {-height / 2, width / 2},
+                      {-height / 2, -width / 2},
+                      {height / 2, -width / 2}}};
 }
 
 CrossSection ring_section(double diameter, double inner, double poisson_ratio) {
@@ -39,8 +58,11 @@ CrossSection ring_section(double diameter, double inner, double poisson_ratio) {
   const double I = std::numbers::pi / 64 * (std::pow(diameter, 4) - std::pow(inner, 4));
   const double shear =
       6 * (1 + nu) * square / ((7 + 6 * nu) * square + (20 + 12 * nu) * m * m) * area;  // Cowper
-  return {
-      .area = area, .shear_areas = {shear, shear}, .moments = {I, I}, .torsion_constant = 2 * I};
+  return {.area = area,
+          .shear_areas = {shear, shear},
+          .moments = {I, I},
+          .torsion_constant = 2 * I,
+          .outline = octagon(diameter / 2)};
 }
 
 BeamStiffness BeamData::stiffness(double young_modulus) const {

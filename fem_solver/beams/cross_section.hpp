@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "common/mechanics/tensor.hpp"
 #include "common/settings/config_reader.hpp"
@@ -16,6 +17,8 @@ struct CrossSection {
   std::array<double, 2> shear_areas{};  ///< for forces along 2 and 3 [m^2]
   std::array<double, 2> moments{};      ///< second moments about 2 and 3 [m^4]
   double torsion_constant = 0;          ///< [m^4]
+  /// Corners, in axes 2 and 3 and counterclockwise about axis 1 [m]; empty: no shape.
+  std::vector<Vector<2>> outline = {};
 
   /// Alike in all directions.
   bool is_round() const;

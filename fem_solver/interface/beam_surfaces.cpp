@@ -40,6 +40,23 @@ std::vector<Matrix<dim>> beam_turns(const FemSettings<dim>& settings,
 }
 
 template <int dim>
+void turn_on(const FemSettings<dim>& settings, std::span<const double> v, double time,
+             std::vector<Matrix<dim>>& turns) {
+  const auto places = static_cast<std::size_t>(settings.num_places());
+  for (std::size_t k = 0; k < turns.size(); ++k) {
+    const double* spin = v.data() + (places + k) * dim;
+    const double scale = time / settings.rotation_length;
+    if constexpr (dim == 2) {
+      turns[k] = Eigen::Rotation2Dd(scale * spin[0]).toRotationMatrix() * turns[k];
+    } else {
+      const Vector<3> turn = scale * Vector<3>(spin[0], spin[1], spin[2]);
+      const double angle = turn.norm();
+      if (angle > 0) turns[k] = Eigen::AngleAxisd(angle, turn / angle) * turns[k];
+    }
+  }
+}
+
+template <int dim>
 BeamSurfaces<dim>::BeamSurfaces(const FemSettings<dim>& settings) : settings_(settings) {
   for (const BeamSurfaceSettings& surface : settings.beam_surfaces) {
     const BeamOutline<dim> outline = beam_outline(settings, surface.groups, surface.where);
@@ -121,6 +138,10 @@ void BeamSurfaces<dim>::add_displacements(std::span<const double> u,
 
 template class BeamSurfaces<2>;
 template class BeamSurfaces<3>;
+template void turn_on(const FemSettings<2>&, std::span<const double>, double,
+                      std::vector<Matrix<2>>&);
+template void turn_on(const FemSettings<3>&, std::span<const double>, double,
+                      std::vector<Matrix<3>>&);
 template std::vector<Matrix<2>> beam_turns(const FemSettings<2>&, const CellIntegrals<2>&,
                                            std::span<const double>, std::span<const double>);
 template std::vector<Matrix<3>> beam_turns(const FemSettings<3>&, const CellIntegrals<3>&,

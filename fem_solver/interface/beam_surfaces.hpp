@@ -20,6 +20,12 @@ std::vector<Matrix<dim>> beam_turns(const FemSettings<dim>& settings,
                                     const CellIntegrals<dim>& cells, std::span<const double> u,
                                     std::span<const double> history);
 
+/// Turn on with the spins of a motion.
+/// @param v  of all nodes
+template <int dim>
+void turn_on(const FemSettings<dim>& settings, std::span<const double> v, double time,
+             std::vector<Matrix<dim>>& turns);
+
 /// Wet surfaces around beams: the outline of their section, drawn along them, with its ends. Points
 /// of one section move with their node as a rigid body, p = x + R d, so forces on them are forces
 /// and moments R d x f on the node (docs/theory/structure.md).

@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <span>
@@ -15,6 +14,7 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
+#include "fem_solver/stress/bar_values.hpp"
 #include "fem_solver/stress/cell_damage.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
@@ -312,27 +312,6 @@ void FemProbes<dim>::add_damage(const StructureState& state, const CellIntegrals
   values.insert(values.end(), of_groups.begin(), of_groups.end());
 }
 
-/// Append the largest shear force, bending moment at the ends and torque of beams.
-template <int dim>
-void FemProbes<dim>::add_beams(const BeamCells<dim>& beams, std::span<const double> u,
-                               std::span<const double> history, std::vector<double>& values) const {
-  double shear = 0, bending = 0, torsion = 0;
-  std::size_t k = 0;
-  for (const auto& beam : beams.resultants(u, history)) {
-    const auto& [N, V_2, V_3] = beam.force;
-    const auto& [T, M_2, M_3] = beam.moment;
-    shear = std::max(shear, std::hypot(V_2, V_3));
-    torsion = std::max(torsion, std::abs(T));
-    const double half = 0.5 * beams.length(k++);
-    for (const double end : {-half, half}) {
-      bending = std::max(bending, std::hypot(M_2 + end * V_3, M_3 - end * V_2));
-    }
-  }
-  for (const double largest : {shear, bending, torsion}) {
-    values.push_back(ranks_.shared().largest(largest));
-  }
-}
-
 /// Append the values of each group of lines, over all ranks.
 template <int dim>
 void FemProbes<dim>::add_lines(const StructureState& state, const CellIntegrals<dim>& cells,
@@ -353,7 +332,11 @@ void FemProbes<dim>::add_lines(const StructureState& state, const CellIntegrals<
     }
     values.push_back(ranks_.shared().largest(largest));
     values.push_back(-ranks_.shared().largest(minus_least));
-    if (block.beams()) add_beams(*block.beams(), state.motion.u, own, values);
+    if (block.beams()) {
+      for (const double size : largest_resultants(*block.beams(), state.motion.u, own)) {
+        values.push_back(ranks_.shared().largest(size));
+      }
+    }
     if (block.yields()) {
       const double area = block.material().area;
       values.insert(values.end(), {values[values.size() - 2] / area, values.back() / area});

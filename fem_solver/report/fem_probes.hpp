@@ -52,8 +52,6 @@ class FemProbes {
                    std::vector<double>& values) const;
   void add_damage(const StructureState& state, const CellIntegrals<dim>& cells,
                   std::vector<double>& values) const;
-  void add_beams(const BeamCells<dim>& beams, std::span<const double> u,
-                 std::span<const double> history, std::vector<double>& values) const;
   void add_lines(const StructureState& state, const CellIntegrals<dim>& cells,
                  std::vector<double>& values) const;
   static Point locate(const FemSettings<dim>& settings, const ProbeSettings<dim>& probe);

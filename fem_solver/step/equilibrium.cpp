@@ -31,7 +31,7 @@ CellIntegrals<dim> make_cells(const FemSettings<dim>& settings) {
   together<ConfigError>(settings.ranks.comm(), [&] {
     refuse_loose_cells<dim>(settings.mesh, settings.materials, settings.ranks);
     cells.emplace(settings.mesh, settings.materials, settings.lumped_mass, settings.ranks,
-                  settings.line_materials, settings.beam_nodes());
+                  LinesOfMesh(settings.line_materials, settings.beam_nodes()));
   });
   cells->set_nodal_parts(nodal_parts(settings));
   return std::move(*cells);

@@ -41,9 +41,7 @@ void check_formulation(const CellMaterial<dim>& material, CellType type) {
 template <int dim>
 CellIntegrals<dim>::CellIntegrals(const Mesh<dim>& mesh,
                                   std::span<const CellMaterial<dim>> materials, bool lumped_mass,
-                                  const MeshRanks& ranks,
-                                  std::span<const LineMaterial> line_materials,
-                                  const BeamNodes& beam_nodes)
+                                  const MeshRanks& ranks, const LinesOfMesh& lines)
     : nodes_per_cell_(mesh.nodes_per_cell()),
       num_nodes_(mesh.num_nodes_total()),
       num_cells_(mesh.num_cells()),
@@ -60,7 +58,7 @@ CellIntegrals<dim>::CellIntegrals(const Mesh<dim>& mesh,
     smallest_cell_size_ = std::min(smallest_cell_size_, length);
   }
   make_blocks(mesh, materials, ranks);
-  make_line_blocks(mesh, line_materials, lumped_mass, ranks, beam_nodes);
+  make_line_blocks(mesh, lines, lumped_mass, ranks);
   compute_mass(mesh, lumped_mass);
 }
 
@@ -78,19 +76,19 @@ void CellIntegrals<dim>::make_blocks(const Mesh<dim>& mesh,
 }
 
 template <int dim>
-void CellIntegrals<dim>::make_line_blocks(const Mesh<dim>& mesh,
-                                          std::span<const LineMaterial> materials, bool lumped,
-                                          const MeshRanks& ranks, const BeamNodes& beam_nodes) {
-  auto lines = lines_of_materials<dim>(mesh, materials, ranks);
+void CellIntegrals<dim>::make_line_blocks(const Mesh<dim>& mesh, const LinesOfMesh& lines,
+                                          bool lumped, const MeshRanks& ranks) {
+  const auto& [materials, beam_nodes] = lines;
+  auto of_materials = lines_of_materials<dim>(mesh, materials, ranks);
   rotations_.assign(line_nodes_.size(), -1);
   for (std::size_t m = 0; m < materials.size(); ++m) {
-    for (const std::int32_t l : lines[m]) {
+    for (const std::int32_t l : of_materials[m]) {
       if (!materials[m].beam) break;
-      for (int end = 0; end < 2; ++end) {
-        rotations_[2 * l + end] = beam_nodes.of(line_nodes_[2 * l + end]);
+      for (const std::int32_t end : {2 * l, 2 * l + 1}) {
+        rotations_[end] = beam_nodes.of(line_nodes_[end]);
       }
     }
-    line_blocks_.emplace_back(mesh, materials[m], std::move(lines[m]), lumped, beam_nodes);
+    line_blocks_.emplace_back(mesh, materials[m], std::move(of_materials[m]), lumped, beam_nodes);
   }
 }
 
@@ -203,9 +201,7 @@ void CellIntegrals<dim>::set_pattern(BlockMatrix<dim>& K) const {
   std::vector<std::int32_t> nodes = cell_nodes_;
   for (std::size_t end = 0; end < line_nodes_.size(); end += 2) {
     nodes.insert(nodes.end(), {line_nodes_[end], line_nodes_[end + 1]});
-    if (rotations_[end] >= 0) {
-      nodes.insert(nodes.end(), {rotations_[end], rotations_[end + 1]});
-    }
+    if (rotations_[end] >= 0) nodes.insert(nodes.end(), {rotations_[end], rotations_[end + 1]});
     offsets.push_back(static_cast<std::int32_t>(nodes.size()));
   }
   K.set_pattern(num_nodes_, offsets, nodes);

@@ -12,6 +12,16 @@
 
 namespace gabion::fem {
 
+/// Materials of the lines of a mesh, each of a group, and the rotations of those that are beams.
+struct LinesOfMesh {
+  LinesOfMesh() = default;
+  LinesOfMesh(const std::vector<LineMaterial>& of_groups,  // NOLINT(google-explicit-constructor)
+              const BeamNodes& of_beams = {})
+      : materials(of_groups), beam_nodes(of_beams) {}
+  std::span<const LineMaterial> materials;
+  BeamNodes beam_nodes;
+};
+
 /// Integrals over the cells and lines of a mesh, or a rank's part of one, in the reference
 /// configuration: sums over those of this rank alone, block by block, lines behind the others. The
 /// history is that of the blocks, one after the other; it is empty where no block has any.
@@ -20,14 +30,11 @@ class CellIntegrals {
  public:
   /// @param materials  of all cells, or each of a group of cells
   /// @param ranks      for the number of a cell in messages
-  /// @param line_materials  each of a group of lines
-  /// @param beam_nodes      of the mesh, for beams
+  /// @param lines      materials, each of a group of lines
   /// @throws ConfigError  a cell with a Jacobian <= 0 at a quadrature point; one without material,
   ///                      or with two, as of a line; a formulation that its type does not have
   CellIntegrals(const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials,
-                bool lumped_mass, const MeshRanks& ranks = {},
-                std::span<const LineMaterial> line_materials = {},
-                const BeamNodes& beam_nodes = {});
+                bool lumped_mass, const MeshRanks& ranks = {}, const LinesOfMesh& lines = {});
 
   /// Take these, too, into all sums below.
   void set_nodal_parts(NodalParts<dim> parts) { nodal_parts_ = std::move(parts); }
@@ -98,8 +105,8 @@ class CellIntegrals {
     return {cell_nodes_.data() + static_cast<std::size_t>(c) * nodes_per_cell_,
             static_cast<std::size_t>(nodes_per_cell_)};
   }
-  void make_line_blocks(const Mesh<dim>& mesh, std::span<const LineMaterial> materials, bool lumped,
-                        const MeshRanks& ranks, const BeamNodes& beam_nodes);
+  void make_line_blocks(const Mesh<dim>& mesh, const LinesOfMesh& lines, bool lumped,
+                        const MeshRanks& ranks);
   std::size_t num_elements() const { return num_cells_ + line_nodes_.size() / 2; }
   template <class Visit>
   void for_each_cell_history(const Visit& visit) const;

@@ -8,9 +8,9 @@
 
 #include "common/mechanics/mesh/mesh.hpp"
 #include "common/mechanics/petsc/block_matrix.hpp"
-#include "fem_solver/beams/beam_cells.hpp"
 #include "fem_solver/materials/line_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
+#include "fem_solver/stress/beam_cells.hpp"
 #include "fem_solver/stress/stress_integral.hpp"
 
 namespace gabion::fem {

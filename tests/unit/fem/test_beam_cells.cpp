@@ -34,8 +34,11 @@ fem::FemSettings<dim> settings_of(const LineText& text) {
 
 template <int dim>
 fem::CellIntegrals<dim> integrals(const fem::FemSettings<dim>& settings) {
-  return {settings.mesh,           settings.materials,   settings.lumped_mass, {},
-          settings.line_materials, settings.beam_nodes()};
+  return {settings.mesh,
+          settings.materials,
+          settings.lumped_mass,
+          {},
+          fem::LinesOfMesh(settings.line_materials, settings.beam_nodes())};
 }
 
 LineText bent_chain() {

@@ -74,7 +74,7 @@ TEST(BeamStructure, rolls_into_a_circle) {
     json["loads"] = {load};
     json["newton"] = {{"residual_tolerance", 1e-12}};
     const auto run = [&](Solver& solver) {
-      for (int n = 1; n <= 10; ++n) advance(solver, n, 0.1);
+      for (int n = 1; n <= 40; ++n) advance(solver, n, 0.025);
       EXPECT_NEAR(probe(solver, "tip.ux"), -L, 1e-9);
       EXPECT_NEAR(probe(solver, "tip.uy"), 0, 1e-9);
       EXPECT_NEAR(probe(solver, "bending_max_rope"), M, 1e-9 * M);
@@ -92,7 +92,7 @@ TEST(BeamStructure, rolls_into_a_circle) {
 /// A cantilever that swings through large angles in the plane x y, in the plane or in space.
 Json swing(int dimension, const std::string& file) {
   Json json = cantilever_of_beams(dimension, file, material(dimension), L, "dynamic");
-  json["loads"] = {rising_load(vector(dimension, 0, 300))};
+  json["loads"] = {rising_load(vector(dimension, 0, 900))};
   json["newton"] = {{"residual_tolerance", 1e-11}};
   return json;
 }
@@ -146,7 +146,7 @@ TEST(BeamStructure, path_independent) {
   const auto run = [&](const Json& first, const Json& second) {
     json["loads"] = {load({0, 500, 0}, first), load({-50, 0, 150}, second)};
     const auto solver = fem_solver<3>(json);
-    for (int n = 1; n <= 20; ++n) advance(*solver, n, 0.1);
+    for (int n = 1; n <= 80; ++n) advance(*solver, n, 0.025);
     return std::vector{probe(*solver, "tip.ux"), probe(*solver, "tip.uy"), probe(*solver, "tip.uz"),
                        probe(*solver, "elastic_energy")};
   };
@@ -244,8 +244,6 @@ TEST(BeamErrors, keys_of_beams) {
                  {"/materials/0/spacing", "2D"});
   expect_refused(2, [](Json& json) { json["materials"][0]["pretension"] = 1; },
                  {"/materials/0/pretension"});
-  expect_refused(2, [](Json& json) { json["materials"][0]["group"] = "high"; },
-                 {"/materials/0/group", "high"});
   expect_refused(2, [](Json& json) { json["materials"][0].erase("poisson_ratio"); },
                  {"/materials/0", "poisson_ratio"});
 }

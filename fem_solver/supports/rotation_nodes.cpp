@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "fem_solver/supports/rotation_nodes.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "common/base/require.hpp"
-#include "fem_solver/fem_config.hpp"
 
 namespace gabion::fem {
 

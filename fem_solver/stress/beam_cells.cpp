@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fem_solver/beams/beam_cells.hpp"
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include "fem_solver/stress/beam_cells.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <type_traits>
 
 #include "common/base/require.hpp"
+#include "fem_solver/beams/beam_axes.hpp"
 
 namespace gabion::fem {
 
 namespace {
 
 constexpr double largest_angle = 3;  // of a node in a step, and between nodes [rad]
-constexpr double least_sine = 1e-3;  // of the angle between orientation and beam
 
 /// The i-th unknown of a cell: a number, or one that derivatives are taken by.
 template <class S>
@@ -62,22 +59,7 @@ BeamCells<dim>::BeamCells(const Mesh<dim>& mesh, const LineMaterial& material,
 template <int dim>
 void BeamCells<dim>::set_frame(const LineMaterial& material, Cell& cell) const {
   if constexpr (dim == 3) {
-    const Vector<3> e_1 = cell.chord / cell.length;
-    Vector<3> o = Vector<3>::Zero();
-    int least = 0;
-    e_1.cwiseAbs().minCoeff(&least);
-    o[least] = 1;
-    if (material.beam->orientation) o = material.beam->orientation->normalized();
-    const Vector<3> across = o - o.dot(e_1) * e_1;
-    require<ConfigError>(
-        across.norm() > least_sine,
-        "{}: found the orientation ({:.6g}) along a beam in the direction ({:.6g}), allowed: "
-        "another direction for axis 2 of its section",
-        material.where, fmt::join(o.data(), o.data() + 3, ", "),
-        fmt::join(e_1.data(), e_1.data() + 3, ", "));
-    Matrix<3> frame;
-    frame << e_1, across.normalized(), e_1.cross(across.normalized());
-    const Eigen::Quaterniond q(frame);
+    const Eigen::Quaterniond q(beam_axes(*material.beam, cell.chord, material.where));
     cell.frame = {q.w(), {q.x(), q.y(), q.z()}};
   }
 }
@@ -113,14 +95,15 @@ auto BeamCells<dim>::forces(const Cell& cell, std::span<const double> u,
   }
   if constexpr (dim == 3) {
     const auto q = turns<S>(cell, u, history);
-    return beam_forces(stiffness_, cell.frame, cell.length, chord, q[0], q[1]);
+    return beam_forces({stiffness_, cell.frame, cell.length}, chord, q[0], q[1]);
   } else {
     const auto angle = [&](int end) {
       const double w = u[static_cast<std::size_t>(cell.nodes[2 + end]) * 2];
       return S(1 / length_) * unknown<S>(w, (2 + end) * 2);
     };
-    return frame_forces(stiffness_, {cell.chord[0] / cell.length, cell.chord[1] / cell.length},
-                        cell.length, chord, angle(0), angle(1));
+    const StraightFrame frame = {
+        stiffness_, {cell.chord[0] / cell.length, cell.chord[1] / cell.length}, cell.length};
+    return frame_forces(frame, chord, angle(0), angle(1));
   }
 }
 
