@@ -40,16 +40,6 @@ void collect(const KeyTable& table, const std::string& place, std::vector<Sectio
   }
 }
 
-// Places in a heading: all of a few, else the first ones and how many there are.
-std::string places_text(const std::vector<std::string>& places) {
-  constexpr std::size_t most = 6, shown = 2;
-  const bool all = places.size() <= most;
-  const auto end = all ? places.end() : places.begin() + shown;
-  const std::string words =
-      fmt::format("`{}`", fmt::join(std::vector(places.begin(), end), "`, `"));
-  return all ? words : fmt::format("{} and {} others", words, places.size() - shown);
-}
-
 std::string number_text(double x) {
   return fmt::format("{:.6g}", x);
 }

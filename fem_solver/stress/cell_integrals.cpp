@@ -82,8 +82,7 @@ void CellIntegrals<dim>::make_line_blocks(const Mesh<dim>& mesh, const LinesOfMe
   auto of_materials = lines_of_materials<dim>(mesh, lines.materials, ranks);
   std::vector<char> is_beam(static_cast<std::size_t>(mesh.num_lines()), 0);
   for (std::size_t m = 0; m < lines.materials.size(); ++m) {
-    if (!lines.materials[m].beam) continue;
-    for (const std::int32_t l : of_materials[m]) is_beam[l] = 1;
+    for (const std::int32_t l : of_materials[m]) is_beam[l] = lines.materials[m].beam ? 1 : 0;
   }
   for (std::int32_t l = 0; l < mesh.num_lines(); ++l) {
     auto nodes = embedded.line_nodes(mesh, l);

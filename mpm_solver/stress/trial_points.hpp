@@ -31,8 +31,9 @@ struct TrialPoints {
     energy.resize(n);
     plastic_increment.resize(n);
     region.resize(n);
-    internal.resize(points.internal.size());
-    variables.resize(points.variables.size());
+    // Only laws that remember something set theirs.
+    internal.assign(points.internal.size(), InternalState::Zero());
+    variables.assign(points.variables.size(), StateVariables::Zero());
     if (!pore_tau.empty()) pore_tau.assign(n, 0.0);
   }
   /// Kirchhoff stress of the skeleton [Pa].
