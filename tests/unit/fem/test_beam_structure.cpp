@@ -146,7 +146,7 @@ TEST(BeamStructure, path_independent) {
   const auto run = [&](const Json& first, const Json& second) {
     json["loads"] = {load({0, 500, 0}, first), load({-50, 0, 150}, second)};
     const auto solver = fem_solver<3>(json);
-    for (int n = 1; n <= 80; ++n) advance(*solver, n, 0.025);
+    for (int n = 1; n <= 320; ++n) advance(*solver, n, 0.00625);
     return std::vector{probe(*solver, "tip.ux"), probe(*solver, "tip.uy"), probe(*solver, "tip.uz"),
                        probe(*solver, "elastic_energy")};
   };

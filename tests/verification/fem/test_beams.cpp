@@ -237,6 +237,7 @@ double lee_limit(int column, int beam) {
                         {"torsion_constant", 4}};
   Json json = line_scene(2, mesh.path(), beam_material(720, 0.3, section));
   json["analysis"] = "static";
+  json["newton"] = {{"max_iterations", 60}};
   json["supports"] = {{{"group", "feet"}}};
   json["prescribed"] = {{{"group", "loaded"}, {"component", "y"}, {"rate", -1.0}}};
   const auto solver = fem_solver<2>(json);
