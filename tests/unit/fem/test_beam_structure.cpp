@@ -136,7 +136,8 @@ TEST(BeamStructure, energy_in_dynamics) {
   EXPECT_GT(std::log2(coarse / fine), 1.7);
 }
 
-/// Loads one after the other or both at once lead to the same state: no path in elastic beams.
+/// Loads one after the other or both at once lead to the same state: no path in elastic beams. The
+/// load in the stiff plane is below the 219 N at which the cantilever buckles sideways.
 TEST(BeamStructure, path_independent) {
   const TemporaryMesh mesh(chain(L, 6).file());
   Json json = cantilever_of_beams(3, mesh.path(), material(3), L);
@@ -144,9 +145,9 @@ TEST(BeamStructure, path_independent) {
     return Json{{"group", "high"}, {"force", force}, {"table", table}};
   };
   const auto run = [&](const Json& first, const Json& second) {
-    json["loads"] = {load({0, 500, 0}, first), load({-50, 0, 150}, second)};
+    json["loads"] = {load({0, 150, 0}, first), load({-50, 0, 150}, second)};
     const auto solver = fem_solver<3>(json);
-    for (int n = 1; n <= 320; ++n) advance(*solver, n, 0.00625);
+    for (int n = 1; n <= 80; ++n) advance(*solver, n, 0.025);
     return std::vector{probe(*solver, "tip.ux"), probe(*solver, "tip.uy"), probe(*solver, "tip.uz"),
                        probe(*solver, "elastic_energy")};
   };
