@@ -141,7 +141,7 @@ bool advance(const UmatModel& model, const PointContext& context, const Matrix3d
                       .number = state.count() + 1};
   const UmatAnswer answer = model.call(call);
   out.refusal = Refusal::unsolved;
-  if (answer.share < 1 || !answer.finite()) return false;
+  if (answer.share < 1 || answer.overrun || !answer.finite()) return false;
   const Vector6 tau = J * answer.stress;
   const Vector6 elastic = call.stress + model.stiffness() * call.increment;
   const bool yields =
@@ -203,6 +203,7 @@ void Umat<dim>::set_start(const Symmetric<dim>& tau, const Symmetric<dim>& log_s
              .strain = strain,
              .displacement_gradient = G,
              .variables = model_->initial_variables()});
+  state.forget_count();
   state.copy_to(variables);
 }
 

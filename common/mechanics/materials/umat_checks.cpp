@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
@@ -21,6 +22,9 @@ constexpr double exact = 1e-6;        // relative error of a derivative by such 
 constexpr double poor = 1e-2;         // relative error of a tangent that is worth a word
 constexpr double same_stress = 1e-8;  // of a turned path
 constexpr std::array sizes = {1e-5, 1e-3, 1e-2};  // of the trial strains
+constexpr double visible = 1e-3;                  // change of a constant that has an effect
+constexpr double fine = 0x1p-30;  // change of a constant that single precision does not see
+constexpr double effect = 1e-5;   // relative change of the answer that is one
 
 // A strain of this size with shear and change of volume.
 Vector6 trial_strain(double size, int n) {
@@ -53,6 +57,28 @@ struct Trial {
     return {.increment = trial_strain(size, model.size()), .variables = virgin, .dt = dt};
   }
   UmatAnswer answer(double size) const { return model.call(from_virgin(size)); }
+
+  // The same with a filling behind PROPS, and another one behind STATEV.
+  UmatAnswer answer(double size, double behind_constants, double behind_variables) const {
+    std::vector<double> constants = model.constants();
+    std::fill(constants.end() - umat_room, constants.end(), behind_constants);
+    UmatCall call = from_virgin(size);
+    call.constants = constants;
+    call.behind_variables = behind_variables;
+    return model.call(call);
+  }
+
+  // Relative change of the answer where a constant is larger by this share.
+  double change(double size, std::size_t constant, double share) const {
+    const UmatAnswer plain = answer(size);
+    std::vector<double> constants = model.constants();
+    constants[constant] *= 1 + share;
+    UmatCall call = from_virgin(size);
+    call.constants = constants;
+    const UmatAnswer other = model.call(call);
+    return (other.stress - plain.stress).norm() / plain.stress.norm() +
+           (other.tangent - plain.tangent).norm() / plain.tangent.norm();
+  }
 
   // Derivative of the stress by the increment.
   Matrix6 differences(double size) const {
@@ -93,10 +119,14 @@ struct Trial {
 
   bool repeats() const {
     const UmatAnswer once = answer(sizes[1]);
+    if (!once.finite()) return true;  // check_finite says it better
     answer(-0.5 * sizes[2]);
-    const UmatAnswer again = answer(sizes[1]);
-    return once.stress == again.stress && once.tangent == again.tangent &&
-           std::memcmp(once.variables.data(), again.variables.data(), sizeof(once.variables)) == 0;
+    return same(once, answer(sizes[1]));
+  }
+
+  static bool same(const UmatAnswer& a, const UmatAnswer& b) {
+    return a.stress == b.stress && a.tangent == b.tangent &&
+           std::memcmp(a.variables.data(), b.variables.data(), sizeof(a.variables)) == 0;
   }
 };
 
@@ -111,10 +141,57 @@ void UmatModel::check_finite(const UmatAnswer& answer, const char* of) const {
       settings_.where, settings_.library, of, settings_.constants.size(), num_variables()));
 }
 
+// What lies behind PROPS and STATEV is none of a subroutine's business.
+void UmatModel::check_room() const {
+  const Trial trial{*this};
+  const double no_number = std::numeric_limits<double>::quiet_NaN();
+  for (const double size : sizes) {
+    const UmatAnswer plain = trial.answer(size);
+    if (!plain.finite()) continue;  // check_finite says it better
+    for (const double filling : {1.0, no_number}) {
+      if (!Trial::same(plain, trial.answer(size, filling, 0))) {
+        throw ConfigError(fmt::format(
+            "{}/constants: found {} numbers, allowed: as many as the UMAT of {} reads, which are "
+            "more",
+            settings_.where, settings_.constants.size(), settings_.library));
+      }
+      const UmatAnswer other = trial.answer(size, 0, filling);
+      if (plain.overrun || other.overrun || !Trial::same(plain, other)) {
+        throw ConfigError(fmt::format(
+            "{}/initial_variables: found {} numbers, allowed: as many as the UMAT of {} has state "
+            "variables, which are more",
+            settings_.where, num_variables(), settings_.library));
+      }
+    }
+  }
+}
+
+void UmatModel::check_precision() const {
+  const Trial trial{*this};
+  for (std::size_t k = 0; k < settings_.constants.size(); ++k) {
+    bool has_effect = false, is_fine = false;
+    for (const double size : sizes) {
+      has_effect = has_effect || trial.change(size, k, visible) > effect;
+      is_fine = is_fine || trial.change(size, k, fine) > 0 || trial.change(size, k, 2 * fine) > 0;
+    }
+    if (!has_effect || is_fine) continue;
+    log::warn(
+        "{}/constants/{}: a change by {:.0e} changes what the UMAT answers, a change by {:.0e} "
+        "does not: it computes in single precision (look for IMPLICIT REAL*8), or takes steps",
+        settings_.where, k, visible, fine);
+  }
+}
+
 void UmatModel::check() {
   const Trial trial{*this};
   const UmatAnswer still = call({.variables = trial.virgin, .dt = dt});
   check_finite(still, "no strain");
+  if (!trial.repeats()) {
+    throw ConfigError(settings_.where + ": found two answers of the UMAT of " + settings_.library +
+                      " to the same call, allowed: a subroutine that remembers nothing but STATEV "
+                      "(look for SAVE and COMMON)");
+  }
+  check_room();
   stiffness_ = still.tangent;
   if (!(stiffness_.diagonal().head(size()).minCoeff() > 0)) {
     throw ConfigError(fmt::format(
@@ -122,11 +199,7 @@ void UmatModel::check() {
         "positive diagonal",
         settings_.where, stiffness_.diagonal().head(size()).minCoeff()));
   }
-  if (!trial.repeats()) {
-    throw ConfigError(settings_.where + ": found two answers of the UMAT of " + settings_.library +
-                      " to the same call, allowed: a subroutine that remembers nothing but STATEV "
-                      "(look for SAVE and COMMON)");
-  }
+  check_precision();
   double error = 0;
   for (const double size : sizes) {
     const UmatAnswer answer = trial.answer(size);

@@ -47,7 +47,9 @@ bool UmatAnswer::finite() const {
          std::ranges::all_of(variables, [](double x) { return std::isfinite(x); });
 }
 
-UmatModel::UmatModel(UmatSettings settings, int dim) : settings_(std::move(settings)), dim_(dim) {
+UmatModel::UmatModel(UmatSettings settings, int dim)
+    : settings_(std::move(settings)), constants_(settings_.constants), dim_(dim) {
+  constants_.resize(constants_.size() + umat_room, 0.0);
   open();
   check();
 }
@@ -79,7 +81,11 @@ UmatAnswer UmatModel::call(const UmatCall& call) const {
     dstran[places[k]] = strain_factor(k) * call.increment[k];
   }
   UmatAnswer answer;
-  std::ranges::copy(call.variables, answer.variables.begin());
+  std::array<double, most_umat_variables + umat_room> statev, behind;
+  behind.fill(call.behind_variables);
+  statev = behind;
+  std::ranges::copy(call.variables, statev.begin());
+  const double* props = call.constants.empty() ? constants_.data() : call.constants.data();
   answer.energy = call.energy;
   double spd = 0, scd = 0, rpl = 0, drpldt = 0;
   const double none = 0;
@@ -92,12 +98,15 @@ UmatAnswer UmatModel::call(const UmatCall& call) const {
   const int nprops = static_cast<int>(settings_.constants.size());
   double share = 1;
   reinterpret_cast<UmatFunction*>(function_)(
-      stress.data(), answer.variables.data(), ddsdde.data(), &answer.energy, &spd, &scd, &rpl,
-      ddsddt.data(), drplde.data(), &drpldt, stran.data(), dstran.data(), time.data(), &call.dt,
-      &none, &none, &none, &none, name.data(), &ndi, &nshr, &n, &nstatv, settings_.constants.data(),
-      &nprops, coords.data(), call.rotation.data(), &share, &call.length, call.F0.data(),
-      call.F1.data(), &one, &one, &one, &one, &one, &call.number, name.size());
+      stress.data(), statev.data(), ddsdde.data(), &answer.energy, &spd, &scd, &rpl, ddsddt.data(),
+      drplde.data(), &drpldt, stran.data(), dstran.data(), time.data(), &call.dt, &none, &none,
+      &none, &none, name.data(), &ndi, &nshr, &n, &nstatv, props, &nprops, coords.data(),
+      call.rotation.data(), &share, &call.length, call.F0.data(), call.F1.data(), &one, &one, &one,
+      &one, &one, &call.number, name.size());
   answer.share = share;
+  std::copy_n(statev.begin(), nstatv, answer.variables.begin());
+  answer.overrun = std::memcmp(statev.data() + nstatv, behind.data() + nstatv,
+                               (statev.size() - nstatv) * sizeof(double)) != 0;
   for (int k = 0; k < n; ++k) {
     answer.stress[k] = stress[places[k]];
     for (int l = 0; l < n; ++l) {

@@ -13,6 +13,9 @@ namespace gabion {
 /// Most state variables (STATEV) that a user material may have.
 inline constexpr int most_umat_variables = 40;
 
+/// Places behind PROPS and STATEV that a user material may use by mistake without a crash.
+inline constexpr int umat_room = 64;
+
 /// What DDSDDE is the derivative of: of the Cauchy stress, as most user materials have it, or of
 /// J sigma over J, as the manual of Abaqus asks for.
 enum class UmatTangent { cauchy, kirchhoff };
@@ -37,10 +40,12 @@ struct UmatCall {
   Eigen::Matrix3d F0 = Eigen::Matrix3d::Identity();        ///< DFGRD0
   Eigen::Matrix3d F1 = Eigen::Matrix3d::Identity();        ///< DFGRD1
   std::span<const double> variables{};                     ///< STATEV
-  double energy = 0;                                       ///< SSE [J/m^3]
-  double time = 0, dt = 0;                                 ///< [s]
-  double length = 1;                                       ///< CELENT [m]
-  int number = 1;                                          ///< KINC
+  std::span<const double> constants{};  ///< PROPS and umat_room more; empty: those of the model
+  double behind_variables = 0;          ///< what lies behind STATEV
+  double energy = 0;                    ///< SSE [J/m^3]
+  double time = 0, dt = 0;              ///< [s]
+  double length = 1;                    ///< CELENT [m]
+  int number = 1;                       ///< KINC
 };
 
 /// What the user material answered, in the order of UmatCall.
@@ -50,8 +55,9 @@ struct UmatAnswer {
   /// Derivative of the stress by the true components of the increment [Pa].
   Matrix6 tangent = Matrix6::Zero();
   std::array<double, most_umat_variables> variables{};
-  double energy = 0;  ///< SSE [J/m^3]
-  double share = 1;   ///< PNEWDT: < 1 asks for a shorter step
+  double energy = 0;     ///< SSE [J/m^3]
+  double share = 1;      ///< PNEWDT: < 1 asks for a shorter step
+  bool overrun = false;  ///< wrote behind STATEV
   bool finite() const;
 };
 
@@ -71,6 +77,8 @@ class UmatModel {
 
   UmatAnswer call(const UmatCall& call) const;
 
+  /// PROPS, then umat_room zeros.
+  const std::vector<double>& constants() const { return constants_; }
   int num_variables() const { return static_cast<int>(settings_.initial_variables.size()); }
   const std::vector<double>& initial_variables() const { return settings_.initial_variables; }
   /// Tangent of virgin soil without strain [Pa].
@@ -82,8 +90,11 @@ class UmatModel {
   void open();
   void check();
   void check_finite(const UmatAnswer& answer, const char* of) const;
+  void check_room() const;
+  void check_precision() const;
 
   UmatSettings settings_;
+  std::vector<double> constants_;
   int dim_;
   void* library_ = nullptr;
   void* function_ = nullptr;

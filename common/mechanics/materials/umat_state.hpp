@@ -55,6 +55,8 @@ class UmatState {
     values_[23] += 1;
     std::ranges::copy(end.variables, values_.begin() + first_variable);
   }
+  /// The next increment is the first one.
+  void forget_count() { values_[23] = 0; }
   void copy_to(std::span<double> values) const { std::ranges::copy(values_, values.begin()); }
 
  private:

@@ -218,6 +218,30 @@ TEST(Umat, the_same_strain_in_all_directions) {
   EXPECT_NEAR(out.J, std::exp(3e-5), 1e-15);
 }
 
+/// Subroutines that set STATEV in their first increment do so where the soil has a stress too.
+TEST(Umat, the_increment_with_the_initial_stress_is_the_first) {
+  const Umat<2> law = von_mises<2>();
+  Memory memory;
+  law.set_start(Symmetric<2>{-1e3, -2e3, -1e3, 0}, Symmetric<2>{-1e-4, -1e-3, -1e-4, 0}, memory);
+  EXPECT_EQ(UmatState(memory).count(), 0);
+  advance<2>(law, Matrix<2>::Zero(), memory);
+  EXPECT_EQ(UmatState(memory).count(), 1);
+}
+
+TEST(Umat, too_few_constants_or_variables_are_named) {
+  const auto refused = [](std::vector<double> constants, std::size_t variables,
+                          std::string_view part) {
+    for (const int dim : {2, 3}) {
+      expect_error<ConfigError>(
+          [&] { UmatModel(settings(UMAT_VON_MISES, constants, variables), dim); }, {part});
+    }
+  };
+  refused({}, 1, "material/constants: found 0 numbers");
+  refused({2.6e6, 0.3, 2e4}, 1, "material/constants: found 3 numbers");
+  refused({2.6e6, 0.3, 2e4, 1e5}, 0, "material/initial_variables: found 0 numbers");
+  EXPECT_NO_THROW(UmatModel(settings(UMAT_VON_MISES, {2.6e6, 0.3, 2e4, 1e5, 7}, 2), 3));
+}
+
 TEST(Umat, a_step_that_is_too_long_is_refused) {
   const Umat<2> law = umat<2>(UMAT_FAULTY, {6});
   StressUpdate<2> out;
