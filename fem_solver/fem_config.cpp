@@ -193,7 +193,15 @@ void require_distinct_interfaces(const ConfigReader& in, const FemSettings<dim>&
   };
   require_distinct_names(in, "interfaces", s.interfaces);
   for (const auto& item : s.interfaces) add(item.name);
-  for (const auto& item : s.beam_surfaces) add(item.name);
+  std::set<std::string> groups;
+  for (const auto& item : s.beam_surfaces) {
+    add(item.name);
+    for (const std::string& group : item.groups) {
+      if (groups.insert(group).second) continue;
+      throw ConfigError(item.where + ": found \"" + group +
+                        "\", which another interface has, allowed: each group once");
+    }
+  }
 }
 
 template <int dim>

@@ -17,6 +17,7 @@ namespace gabion::fem {
 namespace {
 
 constexpr double least_cosine = 0.5;  // between sections of neighbours, whose mean a node has
+constexpr double least_turned_cosine = 0.9;  // the same about the beam, without its bend
 
 /// Beams at a node: that which ends there and that which begins.
 struct Joint {
@@ -45,6 +46,9 @@ const LineMaterial& beam_of_group(const FemSettings<dim>& s, const std::string& 
 template <int dim>
 std::map<std::int32_t, Joint> joints_of(const FemSettings<dim>& s, const std::string& group,
                                         const std::string& where) {
+  require<ConfigError>(s.mesh.line_groups.contains(group),
+                       "{}: found group \"{}\", allowed: a group of lines of the mesh", where,
+                       group);
   std::map<std::int32_t, Joint> joints;
   for (const std::int32_t l : s.mesh.line_groups.at(group)) {
     const auto ends = s.mesh.line(l);
@@ -88,6 +92,15 @@ std::array<Vector<3>, 2> section_at(const FemSettings<dim>& s, const LineMateria
   std::array<Vector<3>, 2> axes = {own.col(1), own.col(2)};
   if (joint.before < 0 || joint.after < 0) return axes;
   const Matrix<3> other = axes_of(s, material, joint.after);
+  if (dim == 3) {  // axes that a beam chose for itself may jump from one to the next
+    const auto bend = Eigen::Quaterniond::FromTwoVectors(own.col(0), other.col(0));
+    require<ConfigError>(
+        (bend * own.col(1)).dot(other.col(1)) > least_turned_cosine,
+        "{}: found beams at node {} whose second axes are turned about the beam by "
+        "more than 25 degrees to each other, allowed: less; give an "
+        "\"orientation\", or groups of their own",
+        where, node);
+  }
   for (int k = 0; k < 2; ++k) {
     const Vector<3> mean = (own.col(1 + k) + other.col(1 + k)).normalized();
     const double cosine = mean.dot(own.col(1 + k));
