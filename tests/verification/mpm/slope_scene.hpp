@@ -70,7 +70,7 @@ inline Json slope_scene(const Slope& slope, const std::string& mesh, double from
   const auto number = [h](double length) { return static_cast<int>(std::lround(length / h)); };
   const Json material = slope_material(slope);
   const Json reduction = {
-      {"from", from}, {"increment", 0.1}, {"tolerance", 0.003}, {"max_displacement", 0.1}};
+      {"from", from}, {"increment", 0.1}, {"tolerance", 0.01}, {"max_displacement", 0.1}};
   return {{"dimension", 2},
           {"analysis", "quasi_static"},
           {"basis", "linear"},
