@@ -63,6 +63,10 @@ ElementState ElementPoint::start() const {
                             settings_.material.law_name);
   state.tau = update.tau;
   if (remembers_internal(settings_.material.law)) state.internal = update.internal;
+  if (const auto* umat = std::get_if<Umat<3>>(&settings_.material.law)) {
+    state.variables.resize(umat_state_size);
+    umat->set_start(state.variables);
+  }
   state.pore_pressure = settings_.back_pressure;
   return state;
 }
@@ -113,8 +117,12 @@ void ElementPoint::set_slopes(const ElementState& from, const StressUpdate<3>& u
 std::string ElementPoint::answer(const ElementState& from, const PoreState& pores,
                                  const Trial& trial, Response& response) const {
   const Matrix<3> H = gradient(trial.strain - from.strain) * from.F.inverse();
-  const PointContext context{
-      .dt = trial.dt, .band_width = settings_.band_width, .internal = from.internal};
+  std::vector<double> variables(from.variables.size());
+  const PointContext context{.dt = trial.dt,
+                             .band_width = settings_.band_width,
+                             .internal = from.internal,
+                             .variables = from.variables,
+                             .new_variables = variables};
   StressUpdate<3> found;
   Tangent<3> A;
   found.internal = from.internal;
@@ -130,6 +138,7 @@ std::string ElementPoint::answer(const ElementState& from, const PoreState& pore
            .pore_pressure = 0,
            .history = found.state,
            .internal = found.internal,
+           .variables = std::move(variables),
            .region = found.region};
   set_slopes(from, found, A, response);
   const std::string refused = add_water(pores, trial, response);

@@ -21,6 +21,7 @@ struct ElementState {
   double pore_pressure = 0;                 ///< compression positive [Pa]
   MaterialState<3> history;
   InternalState internal = InternalState::Zero();
+  std::vector<double> variables{};  ///< of a Umat
   YieldRegion region = YieldRegion::elastic;
 
   /// Total Cauchy stress, tension positive, in the order of component_names [Pa].

@@ -5,6 +5,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
+
+#include "common/mechanics/materials/read_umat.hpp"
 
 namespace gabion::element {
 
@@ -139,8 +142,9 @@ StageSettings read_stage(ConfigReader& in, const ElementSettings& test) {
 }
 
 // The material and the water of one object that has both keys.
-void read_soil(ConfigReader& in, ElementSettings& test) {
-  test.material = read_material<3>(in.object("material"));
+// @param folder  of the file
+void read_soil(const std::string& folder, ConfigReader& in, ElementSettings& test) {
+  test.material = read_material_in<3>(folder, in.object("material"));
   if (auto water = in.optional_object("water")) {
     test.water =
         mpm::read_pore_water(std::move(*water), test.material.density, test.p_wave_modulus());
@@ -154,7 +158,7 @@ void read_body(const TestedBody& tested, ElementSettings& test) {
   for (auto& body : bodies) {
     names.push_back(body.name("name"));
     if (tested.name.empty() ? bodies.size() != 1 : names.back() != tested.name) continue;
-    read_soil(body, test);
+    read_soil(tested.scene.folder(), body, test);
     return;
   }
   in.fail("bodies",
@@ -235,7 +239,7 @@ ElementSettings read_element_settings(ConfigReader& in, const TestedBody* body) 
   } else if (!in.has("material")) {
     in.fail("material", "found none, allowed: a material, or --scene SCENE with one");
   } else {
-    read_soil(in, test);
+    read_soil(std::filesystem::path(in.file()).parent_path().string(), in, test);
   }
   test.band_width = in.optional_number("band_width").value_or(0);
   test.back_pressure = in.number("back_pressure");

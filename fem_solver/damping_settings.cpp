@@ -9,7 +9,7 @@ void check_damping(const FemSettings<dim>& s) {
   const auto check = [&s](const std::string& where) {
     require<ConfigError>(s.dynamic, "{}: has no meaning when \"analysis\" is \"static\"", where);
     // Mean forces of interfaces change velocities that damping must not see, see (T12), (T13).
-    require<ConfigError>(s.interfaces.empty() || s.time_integration.step_force_velocity() == 0,
+    require<ConfigError>(!s.coupled() || s.time_integration.step_force_velocity() == 0,
                          "{}: found damping of a structure with \"interfaces\", allowed: with "
                          "\"time_integration\" of scheme \"newmark\"",
                          where);

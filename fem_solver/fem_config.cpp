@@ -2,8 +2,10 @@
 #include "fem_solver/fem_config.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <set>
 #include <tuple>
@@ -14,9 +16,11 @@
 #include "common/mechanics/mesh/seen_facets.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "common/settings/plausible.hpp"
+#include "fem_solver/nodal_settings.hpp"
 #include "fem_solver/ranks/divide_mesh.hpp"
 #include "fem_solver/supports/embedded_lines.hpp"
 #include "fem_solver/supports/held_parts.hpp"
+#include "fem_solver/supports/rotation_nodes.hpp"
 
 namespace gabion::fem {
 
@@ -32,25 +36,43 @@ Vector<dim> read_vector(ConfigReader& in, const std::string& key) {
   return Eigen::Map<const Vector<dim>>(in.vector(key, dim).data());
 }
 
+/// Components by their numbers, each of the allowed ones once.
+std::vector<int> numbers_of(const ConfigReader& in, const std::string& key,
+                            const std::vector<std::string>& words,
+                            const std::vector<std::string>& allowed) {
+  std::vector<int> result;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto found = std::find(allowed.begin(), allowed.end(), words[i]);
+    if (found == allowed.end()) {
+      in.fail(fmt::format("{}/{}", key, i),
+              fmt::format("found \"{}\", allowed: {}", words[i], fmt::join(allowed, ", ")));
+    }
+    if (std::find(words.begin(), words.begin() + i, words[i]) != words.begin() + i) {
+      in.fail(fmt::format("{}/{}", key, i),
+              fmt::format("found \"{}\" a second time, allowed: each component once", words[i]));
+    }
+    result.push_back(static_cast<int>(std::ranges::find(component_names, words[i]) -
+                                      std::begin(component_names)));
+  }
+  return result;
+}
+
 template <int dim>
 std::vector<int> read_components(ConfigReader& in) {
   const auto allowed = allowed_components<dim>();
   const auto words = in.texts_or("components", allowed);
   if (words.empty()) in.fail("components", "found [], allowed: at least one component");
-  std::vector<int> result;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const auto found = std::find(allowed.begin(), allowed.end(), words[i]);
-    if (found == allowed.end()) {
-      in.fail(fmt::format("components/{}", i),
-              fmt::format("found \"{}\", allowed: x, y{}", words[i], dim == 3 ? ", z" : ""));
-    }
-    if (std::find(words.begin(), words.begin() + i, words[i]) != words.begin() + i) {
-      in.fail(fmt::format("components/{}", i),
-              fmt::format("found \"{}\" a second time, allowed: each component once", words[i]));
-    }
-    result.push_back(static_cast<int>(found - allowed.begin()));
-  }
-  return result;
+  return numbers_of(in, "components", words, allowed);
+}
+
+/// Axes about which beams do not turn; in the plane it is z.
+template <int dim>
+std::vector<int> read_rotations(ConfigReader& in) {
+  const std::vector<std::string> plane = {"z"};
+  const auto allowed = dim == 2 ? plane : allowed_components<3>();
+  return numbers_of(in, "rotations",
+                    in.has("rotations") ? in.texts("rotations") : std::vector<std::string>(),
+                    allowed);
 }
 
 template <int dim>
@@ -59,6 +81,7 @@ SupportSettings read_support(ConfigReader in) {
   s.group = in.text("group");
   s.where = in.where("group");
   s.components = read_components<dim>(in);
+  s.rotations = read_rotations<dim>(in);
   s.report_reaction = in.boolean("report_reaction");
   s.report_moment = in.boolean("report_moment");
   in.finish();
@@ -80,64 +103,6 @@ PrescribedSettings read_prescribed(ConfigReader in) {
   p.displacement = in.has("rate") ? TimeFunction::ramp(in.number("rate")) : read_time_table(in);
   in.finish();
   return p;
-}
-
-TimeFunction read_factor(ConfigReader& in) {
-  return in.has("table") ? read_time_table(in) : TimeFunction::constant(1);
-}
-
-/// Read the place at which a load, mass or spring acts.
-template <int dim, class Settings>
-void read_place(ConfigReader& in, Settings& s) {
-  if (in.has("point") == in.has("group")) {
-    in.fail("point", "allowed: either \"point\" (coordinates of a node) or \"group\"");
-  }
-  if (in.has("point")) {
-    s.point = read_vector<dim>(in, "point");
-    s.where = in.where("point");
-  } else {
-    s.group = in.text("group");
-    s.where = in.where("group");
-  }
-}
-
-template <int dim>
-PointMassSettings<dim> read_point_mass(ConfigReader in) {
-  PointMassSettings<dim> s;
-  read_place<dim>(in, s);
-  s.mass = in.number("mass");
-  in.finish();
-  return s;
-}
-
-template <int dim>
-SpringSettings<dim> read_spring(ConfigReader in) {
-  SpringSettings<dim> s;
-  read_place<dim>(in, s);
-  s.stiffness = read_vector<dim>(in, "stiffness");
-  if (s.stiffness.isZero(0)) in.fail("stiffness", "found zero in all directions, allowed: > 0");
-  in.finish();
-  return s;
-}
-
-template <int dim>
-DashpotSettings<dim> read_dashpot(ConfigReader in) {
-  DashpotSettings<dim> s;
-  read_place<dim>(in, s);
-  s.damping = read_vector<dim>(in, "damping");
-  if (s.damping.isZero(0)) in.fail("damping", "found zero in all directions, allowed: > 0");
-  in.finish();
-  return s;
-}
-
-template <int dim>
-LoadSettings<dim> read_load(ConfigReader in) {
-  LoadSettings<dim> load;
-  read_place<dim>(in, load);
-  load.force = read_vector<dim>(in, "force");
-  load.factor = read_factor(in);
-  in.finish();
-  return load;
 }
 
 template <int dim>
@@ -217,6 +182,28 @@ void require_support(const ConfigReader& in, const FemSettings<dim>& s) {
   }
 }
 
+/// Of facets and around beams.
+template <int dim>
+void require_distinct_interfaces(const ConfigReader& in, const FemSettings<dim>& s) {
+  std::set<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (names.insert(name).second) return;
+    in.fail("interfaces",
+            fmt::format("found the name \"{}\" a second time, allowed: distinct names", name));
+  };
+  require_distinct_names(in, "interfaces", s.interfaces);
+  for (const auto& item : s.interfaces) add(item.name);
+  std::set<std::string> groups;
+  for (const auto& item : s.beam_surfaces) {
+    add(item.name);
+    for (const std::string& group : item.groups) {
+      if (groups.insert(group).second) continue;
+      throw ConfigError(item.where + ": found \"" + group +
+                        "\", which another interface has, allowed: each group once");
+    }
+  }
+}
+
 template <int dim>
 void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
   for (auto& item : in.objects("supports")) {
@@ -235,11 +222,15 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
     s.tractions.push_back(read_traction<dim>(item));
   }
   for (auto& item : in.objects("interfaces")) {
-    s.interfaces.push_back(read_interface(item, "groups"));
+    if (item.has("beams")) {
+      s.beam_surfaces.push_back(read_beam_surface(item));
+    } else {
+      s.interfaces.push_back(read_interface(item, "groups"));
+    }
   }
   s.probes = read_probes<dim>(in);
   s.sections = read_sections<dim>(in);
-  require_distinct_names(in, "interfaces", s.interfaces);
+  require_distinct_interfaces(in, s);
   require_distinct_supports(in, s.supports);
   together<ConfigError>(s.ranks.comm(), [&] { require_distinct_facets(in, s); });
   if (s.initial_equilibrium || !s.dynamic) require_support(in, s);
@@ -370,6 +361,7 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
   auto ranked = read_mesh_with_lines<dim>(scene, in, s, comm);
   s.mesh = std::move(ranked.mesh);
   s.ranks = std::move(ranked.ranks);
+  add_rotation_nodes(in, s);
   s.gravity = read_vector<dim>(in, "gravity");
   read_motion<dim>(in, s);
   if (s.dynamic) s.lumped_mass = in.choice("mass") == "lumped";
@@ -379,9 +371,10 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
   read_conditions(in, s);
   embed_lines(s, ranked.connection);
   check_damping(s);
+  check_rotations(s);
   together<ConfigError>(comm, [&] { check_held_parts(in, s, ranked.connection); });
   warn_of_unused_groups(in, s);
-  if (!s.interfaces.empty()) require_balance_at_end_of_step(in, s.time_integration);
+  if (s.coupled()) require_balance_at_end_of_step(in, s.time_integration);
   s.newton = read_newton_settings(in.object("newton"));
   s.linear_solver = read_linear_solver_settings(in.object("linear_solver"));
   if (in.has("$schema")) in.text("$schema");

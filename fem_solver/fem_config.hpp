@@ -14,6 +14,7 @@
 #include "common/mechanics/time_integration/newmark.hpp"
 #include "common/settings/config_reader.hpp"
 #include "common/settings/scene.hpp"
+#include "fem_solver/beams/beam_nodes.hpp"
 #include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/materials/line_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
@@ -26,6 +27,7 @@ namespace gabion::fem {
 struct SupportSettings {
   std::string group;
   std::vector<int> components;   ///< 0 = x, 1 = y, 2 = z; all of them by default
+  std::vector<int> rotations;    ///< of beams, about 0 = x, 1 = y, 2 = z; none by default
   bool report_reaction = false;  ///< adds probe columns reaction_<group>_x, ...
   bool report_moment = false;    ///< adds probe columns moment_<group>_z, in 3D _x, _y, _z
   std::string where;             ///< place in the config, for error messages
@@ -42,9 +44,10 @@ struct PrescribedSettings {
 /// A force on the node at a point, or spread in equal parts over the nodes of a group.
 template <int dim>
 struct LoadSettings {
-  std::optional<Vector<dim>> point;  ///< [m], reference configuration
-  std::string group;                 ///< used when there is no point
-  Vector<dim> force;                 ///< [N], in 2D per metre of thickness; the resultant
+  std::optional<Vector<dim>> point;      ///< [m], reference configuration
+  std::string group;                     ///< used when there is no point
+  Vector<dim> force;                     ///< [N], in 2D per metre of thickness; the resultant
+  Vector<3> moment = Vector<3>::Zero();  ///< on beams, about fixed axes [N m], likewise
   TimeFunction factor = TimeFunction::constant(1);
   std::string where;
 };
@@ -92,6 +95,13 @@ struct WetSurfaceSettings {
   std::string where;
 };
 
+/// A coupled wet surface around the beams of these groups of lines.
+struct BeamSurfaceSettings {
+  std::string name;
+  std::vector<std::string> groups;
+  std::string where;
+};
+
 /// A point whose displacement is reported.
 template <int dim>
 struct ProbeSettings {
@@ -123,11 +133,14 @@ inline constexpr NewtonSettings newton_defaults{.reuse_matrix = true};
 /// fem.json of a structure with a mesh.
 template <int dim>
 struct FemSettings : MotionSettings<dim> {
-  Mesh<dim> mesh;                             ///< the part of this rank
-  MeshRanks ranks;                            ///< how it lies in the whole
-  std::vector<CellMaterial<dim>> materials;   ///< of all cells, or each of a group of cells
-  std::vector<LineMaterial> line_materials;   ///< each of a group of lines
-  EmbeddedNodes<dim> embedded;                ///< nodes of lines inside cells
+  Mesh<dim> mesh;                            ///< the part of this rank
+  MeshRanks ranks;                           ///< how it lies in the whole
+  std::vector<CellMaterial<dim>> materials;  ///< of all cells, or each of a group of cells
+  std::vector<LineMaterial> line_materials;  ///< each of a group of lines
+  EmbeddedNodes<dim> embedded;               ///< nodes of lines inside cells
+  /// The mesh has nodes of rotations behind its places, see BeamNodes.
+  std::vector<std::int32_t> rotation_nodes;
+  double rotation_length = 1;                 ///< [m]
   bool lumped_mass = false;                   ///< row sums instead of the consistent mass matrix
   Vector<dim> gravity = Vector<dim>::Zero();  ///< [m/s^2]
   std::vector<SupportSettings> supports;
@@ -138,8 +151,16 @@ struct FemSettings : MotionSettings<dim> {
   std::vector<DashpotSettings<dim>> dashpots;
   std::vector<TractionSettings<dim>> tractions;
   std::vector<WetSurfaceSettings> interfaces;
+  std::vector<BeamSurfaceSettings> beam_surfaces;
+  bool coupled() const { return !interfaces.empty() || !beam_surfaces.empty(); }
   std::vector<ProbeSettings<dim>> probes;
   std::vector<SectionSettings<dim>> sections;
+  BeamNodes beam_nodes() const { return {rotation_nodes, rotation_length}; }
+  /// Number of nodes without those of rotations.
+  std::int32_t num_places() const {
+    return rotation_nodes.empty() ? mesh.num_nodes_total()
+                                  : static_cast<std::int32_t>(rotation_nodes.size());
+  }
   NewtonSettings newton = newton_defaults;
   LinearSolverSettings linear_solver;
 };

@@ -23,6 +23,10 @@ KeyTable support_keys() {
                .among(all_components)
                .not_empty()
                .or_computed("all"),
+           key::texts("rotations", "Axes about which nodes of beams do not turn; in 2D z alone.")
+               .among(all_components)
+               .not_empty()
+               .or_none(),
            key::boolean("report_reaction", "Adds the columns reaction_GROUP_x, ... to the probes.")
                .or_else(SupportSettings{}.report_reaction),
            key::boolean("report_moment",
@@ -50,6 +54,10 @@ KeyTable load_keys() {
       {key::vector("point", "m", "Coordinates of a node in the reference configuration.").or_none(),
        group_key("Group of facets or points whose nodes share the force.").or_none(),
        key::vector("force", "N", "The resultant; in 2D per metre of thickness."),
+       key::vector("moment", "N m",
+                   "On nodes of beams, about fixed axes, the sum; in 2D one number, about z.")
+           .wide(1, 3)
+           .or_none(),
        time_table_key("", factor_sentence)},
       {"point", "group"}};
 }
@@ -114,8 +122,13 @@ KeyTable interface_keys() {
        key::text("facets",
                  "File of the facets, rows of node numbers, normals outward as in Gmsh's order; "
                  "with `matrices`.")
+           .or_none(),
+       key::texts("beams",
+                  "Groups of beams; the surface is the outline of their section along them, of "
+                  "circles and pipes an octagon, in 2D the sides at half the height.")
+           .not_empty()
            .or_none()},
-      {"groups", "facets"}};
+      {"groups", "facets", "beams"}};
 }
 
 KeyTable probe_keys() {

@@ -17,6 +17,7 @@ FemSolver<dim>::FemSolver(MPI_Comm comm, FemSettings<dim> settings,
                           const std::string& output_folder)
     : settings_(std::move(settings)),
       wet_surfaces_(settings_.mesh, settings_.interfaces, settings_.ranks),
+      beam_surfaces_(settings_),
       step_(settings_, comm),
       report_(settings_, step_, output_folder),
       state_(step_.initial_state()) {}
@@ -32,6 +33,58 @@ void FemSolver<dim>::set_motion(std::vector<double> u, std::vector<double> v) {
 }
 
 template <int dim>
+std::vector<InterfaceMesh> FemSolver<dim>::interfaces() const {
+  std::vector<InterfaceMesh> meshes = wet_surfaces_.meshes();
+  meshes.insert(meshes.end(), beam_surfaces_.meshes().begin(), beam_surfaces_.meshes().end());
+  return meshes;
+}
+
+template <int dim>
+void FemSolver<dim>::set_force_kinds(const ForceKinds& kinds) {
+  ForceKinds of_facets;
+  for (const auto& [name, kind] : kinds) {
+    if (beam_surfaces_.has(name)) {
+      beam_surfaces_.set_force_kind(name, kind);
+    } else {
+      of_facets[name] = kind;
+    }
+  }
+  wet_surfaces_.set_force_kinds(of_facets);
+}
+
+/// Rotations of the nodes of beams.
+template <int dim>
+std::vector<Matrix<dim>> FemSolver<dim>::turns_of(const StructureState& state) const {
+  const std::span<const double> history =
+      state.history ? std::span<const double>(*state.history) : std::span<const double>();
+  return beam_turns<dim>(settings_, step_.equilibrium().cells(), state.motion.u, history);
+}
+
+/// Arms of forces around beams are those that the accepted motion leads to in the middle of the
+/// step, so that they are known before it is solved.
+template <int dim>
+ExternalForces FemSolver<dim>::interface_forces(const InterfaceValues& received, double dt) const {
+  if (settings_.beam_surfaces.empty() || received.empty()) {
+    return wet_surfaces_.nodal_forces(received);
+  }
+  InterfaceValues of_facets = received;
+  for (const InterfaceMesh& mesh : beam_surfaces_.meshes()) of_facets.erase(mesh.name);
+  ExternalForces forces = wet_surfaces_.nodal_forces(of_facets);
+  std::vector<Matrix<dim>> turns = turns_of(state_);
+  turn_on<dim>(settings_, state_.motion.v, 0.5 * dt, turns);
+  beam_surfaces_.add_forces(received, turns, forces);
+  return forces;
+}
+
+template <int dim>
+InterfaceValues FemSolver<dim>::interface_displacements(const StructureState& state) const {
+  InterfaceValues sent = wet_surfaces_.displacements(state.motion.u);
+  if (settings_.beam_surfaces.empty()) return sent;
+  beam_surfaces_.add_displacements(state.motion.u, turns_of(state), sent);
+  return sent;
+}
+
+template <int dim>
 StepReport FemSolver<dim>::solve_step(const StepRequest& request, const InterfaceValues& received,
                                       InterfaceValues& sent) {
   require(request.dt > 0, "step {}: found dt {}, allowed: dt > 0", request.step, request.dt);
@@ -41,8 +94,9 @@ StepReport FemSolver<dim>::solve_step(const StepRequest& request, const Interfac
   trial_.reset();
   state_.time = request.time;
   StructureState trial;
-  StepReport report = step_.solve(state_, wet_surfaces_.nodal_forces(received), request.dt, trial);
-  sent = wet_surfaces_.displacements(trial.motion.u);
+  StepReport report =
+      step_.solve(state_, interface_forces(received, request.dt), request.dt, trial);
+  sent = interface_displacements(trial);
   trial_ = std::move(trial);
   return report;
 }

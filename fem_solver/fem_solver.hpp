@@ -10,6 +10,7 @@
 #include "common/mechanics/materials/rotation_warning.hpp"
 #include "common/run/solver.hpp"
 #include "fem_solver/fem_config.hpp"
+#include "fem_solver/interface/beam_surfaces.hpp"
 #include "fem_solver/interface/wet_surfaces.hpp"
 #include "fem_solver/report/structure_report.hpp"
 #include "fem_solver/step/structure_step.hpp"
@@ -28,10 +29,10 @@ class FemSolver final : public Solver {
   /// @throws ConvergenceError  no initial equilibrium
   FemSolver(MPI_Comm comm, FemSettings<dim> settings, const std::string& output_folder);
 
-  std::vector<InterfaceMesh> interfaces() const override { return wet_surfaces_.meshes(); }
+  std::vector<InterfaceMesh> interfaces() const override;
   std::vector<std::string> probe_names() const override { return report_.probe_names(); }
   bool takes_force_kinds() const override { return true; }
-  void set_force_kinds(const ForceKinds& kinds) override { wet_surfaces_.set_force_kinds(kinds); }
+  void set_force_kinds(const ForceKinds& kinds) override;
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override;
@@ -54,9 +55,13 @@ class FemSolver final : public Solver {
 
  private:
   CellHistory history_of(const HistoryRows& saved) const;
+  ExternalForces interface_forces(const InterfaceValues& received, double dt) const;
+  InterfaceValues interface_displacements(const StructureState& state) const;
+  std::vector<Matrix<dim>> turns_of(const StructureState& state) const;
 
   FemSettings<dim> settings_;
   WetSurfaces<dim> wet_surfaces_;
+  BeamSurfaces<dim> beam_surfaces_;
   StructureStep<dim> step_;
   StructureReport<dim> report_;
   StructureState state_;

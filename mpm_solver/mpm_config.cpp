@@ -9,12 +9,14 @@
 #include <utility>
 
 #include "common/base/log.hpp"
+#include "common/mechanics/mesh/mesh_box.hpp"
 #include "common/settings/plausible.hpp"
 #include "mpm_solver/boulders/boulder_config.hpp"
 #include "mpm_solver/checks/cell_filling.hpp"
 #include "mpm_solver/checks/grid_mesh.hpp"
 #include "mpm_solver/checks/group_needs.hpp"
 #include "mpm_solver/checks/phase_needs.hpp"
+#include "mpm_solver/checks/pools.hpp"
 #include "mpm_solver/checks/seepage.hpp"
 #include "mpm_solver/checks/snap_back.hpp"
 #include "mpm_solver/config_checks.hpp"
@@ -141,7 +143,9 @@ void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
 
 template <int dim>
 void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
+  settings.pools = read_pools(in);
   settings.bodies_where = in.where("bodies");
+  const Vector<dim> origin = to_vector<dim>(in.vector("origin", dim));
   auto items = in.objects("bodies");
   if (items.empty()) in.fail("bodies", "found an empty list, allowed: at least one body");
   for (auto& item : items) {
@@ -161,15 +165,20 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     layout.with_domains = settings.grid.basis == Basis::gimp;
     if (layout.with_domains) check_domains(item, layout, settings.grid.box->spacing);
     layout.velocity = to_vector<dim>(item.vector("velocity", dim));
-    body.material = read_material<dim>(item.object("material"));
+    const SourcePlace<dim> place{
+        .scene = scene, .body = body.name, .box = box_around(layout.mesh), .origin = origin};
+    settings.varying.push_back(
+        read_body_material<dim>(item.object("material"), place, b, layout, body));
     settings.initial_stress.emplace_back();
     if (auto water = item.optional_object("water")) {
       body.water =
           read_body_water(std::move(*water), body.material.density, skeleton_modulus(body));
+      require_one_stiffness(item, body);
     }
     if (auto stress = item.optional_object("initial_stress")) {
       settings.initial_stress.back() = read_initial_stress<dim>(*stress, body);
-      take_water_table<dim>(*stress, layout.mesh, *settings.initial_stress.back(), body);
+      take_water_table<dim>(*stress, layout.mesh, *settings.initial_stress.back(),
+                            {settings.pools, 0, 1}, body);
     } else if (std::holds_alternative<CamClay<dim>>(body.material.law)) {
       item.fail(
           "initial_stress",
@@ -329,7 +338,6 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   for (auto& body : settings.bodies) {
     if (body.water) body.water->specific_weight = body.water->density * settings.gravity.norm();
   }
-  in.vector("origin", dim);
   read_motion(in, settings);
   settings.quadrature = read_quadrature(in, settings);
   settings.locking = read_locking(in.object("locking"), settings);
@@ -356,6 +364,7 @@ MpmSettings<dim> read_mpm_settings(const Scene& scene, ConfigReader& in, AloneSe
   resolve_rigid_walls(in, walls, settings.phases);
   read_boulders<dim>(scene, in, boulder_scene<dim>(settings, settings.grid), settings.boulders,
                      settings.rigid_walls);
+  check_pools(in, settings);
   const bool meets =
       !settings.interfaces.empty() || !settings.rigid_walls.empty() || settings.body_groups.any();
   for (const Phase& phase : settings.phases) {

@@ -13,9 +13,11 @@
 #include "mpm_solver/contact/body_groups.hpp"
 #include "mpm_solver/contact/contact_config.hpp"
 #include "mpm_solver/gauges/gauge.hpp"
+#include "mpm_solver/parameters/point_laws.hpp"
 #include "mpm_solver/phases/phases.hpp"
 #include "mpm_solver/points/initial_stress.hpp"
 #include "mpm_solver/points/material_points.hpp"
+#include "mpm_solver/points/pool.hpp"
 #include "mpm_solver/small_cuts/small_cuts.hpp"
 #include "mpm_solver/step_sizes/step_control.hpp"
 #include "mpm_solver/stress/cell_quadrature.hpp"
@@ -36,12 +38,14 @@ template <int dim>
 struct MpmSettings {
   BackgroundGrid<dim> grid;
   std::vector<Body<dim>> bodies;
+  VaryingMaterials<dim> varying;          ///< of each body; shorter: none of the others has any
   std::string bodies_where;               ///< their place in the config, for error messages
   std::vector<PointLayout<dim>> layouts;  ///< of each body
   std::vector<std::optional<InitialStress>> initial_stress;  ///< of each body
   BodyGroups body_groups;  ///< none: all bodies share the nodes of the grid
   Vector<dim> gravity = Vector<dim>::Zero();
   std::vector<Phase> phases;  ///< at least one
+  std::vector<Pool> pools;    ///< of free water, see read_pools()
   /// Acceleration [m/s^2] that acts on material points besides gravity, from their position at the
   /// start [m] and the time [s]; empty: none. For manufactured solutions, not a key of mpm.json.
   std::function<Vector<dim>(const Vector<dim>& reference_position, double time)> body_acceleration;

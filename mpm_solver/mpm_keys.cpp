@@ -26,7 +26,7 @@ KeyTable body_keys() {
                .or_computed("`regular` with `basis` `gimp` in quad4 and hex8, else `gauss`"),
            key::vector("velocity", "m/s", "At the start; zero where the run starts quasi-static.")
                .or_else(0),
-           key::object("material", material_keys(material_laws), "Law and constants."),
+           key::object("material", varying_material_keys(material_laws), "Law and constants."),
            key::object("water", body_water_keys(), "Pore water; none: dry.").or_none(),
            key::object("initial_stress", initial_stress_keys(),
                        "Geostatic stress at the start; none: free of stress.")
@@ -120,6 +120,10 @@ std::vector<Key> model_keys() {
                       "each other.")
               .or_none(),
           key::vector("gravity", "m/s^2", "Acceleration on all material points.").or_else(0),
+          key::objects("pools", pool_keys(),
+                       "Free water at rest over the soil, from the lowest x to the highest; all "
+                       "bodies have water that drains.")
+              .or_empty(),
           key::choice("outside", {"error", "remove"},
                       "Material points that leave the grid: the step fails, or they are taken out.")
               .or_else("error"),

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/cores.hpp"
+#include "mpm_solver/checks/varying_values.hpp"
 #include "mpm_solver/mpm_config.hpp"
 #include "mpm_solver/mpm_solver.hpp"
 #include "mpm_solver/ranks/rank_advice.hpp"
@@ -52,6 +53,21 @@ void print_rank_advice(const ProgramOptions& options) {
   fmt::print("{}{}{}{}", advice.ranks, '\0', advice.reason, '\0');
 }
 
+template <int dim>
+void write_varying_of(const Scene& scene, ConfigReader& in, const ProgramOptions& options) {
+  AloneSettings alone;
+  const bool is_alone = !scene.has("coupler.json") && options.coupler.empty();
+  const auto settings = mpm::read_mpm_settings<dim>(scene, in, is_alone ? &alone : nullptr);
+  mpm::write_varying(options.write_varying, settings);
+}
+
+void write_varying_table(const ProgramOptions& options) {
+  const Scene scene(options.scene, options.overrides);
+  ConfigReader in = scene.reader("mpm.json", mpm::mpm_keys());
+  in.integer("dimension") == 2 ? write_varying_of<2>(scene, in, options)
+                               : write_varying_of<3>(scene, in, options);
+}
+
 }  // namespace
 
 std::unique_ptr<Solver> make_mpm_solver(const Scene& scene, ConfigReader& in, MPI_Comm comm,
@@ -63,6 +79,10 @@ std::unique_ptr<Solver> make_mpm_solver(const Scene& scene, ConfigReader& in, MP
 void run_mpm(const ProgramOptions& options, const MpiSession& session) {
   if (options.advise_ranks >= 0) {
     if (session.is_root()) print_rank_advice(options);
+    return;
+  }
+  if (!options.write_varying.empty()) {
+    if (session.is_root()) write_varying_table(options);
     return;
   }
   run_solver_program({"mpm_solver", mpm::mpm_keys(), make_mpm_solver}, options, session);

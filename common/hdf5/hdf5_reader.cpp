@@ -155,6 +155,20 @@ std::int64_t Hdf5Reader::size(const std::string& dataset) const {
   return size;
 }
 
+std::vector<std::int64_t> Hdf5Reader::shape(const std::string& dataset) const {
+  const QuietErrors quiet;
+  Handle data(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
+  if (data.id() < 0) fail(dataset);
+  Handle space(H5Dget_space(data.id()), H5Sclose);
+  const int count = space.id() < 0 ? -1 : H5Sget_simple_extent_ndims(space.id());
+  if (count < 0) fail(dataset);
+  std::vector<hsize_t> sizes(static_cast<std::size_t>(count));
+  if (count > 0 && H5Sget_simple_extent_dims(space.id(), sizes.data(), nullptr) != count) {
+    fail(dataset);
+  }
+  return {sizes.begin(), sizes.end()};
+}
+
 std::string Hdf5Reader::text(const std::string& dataset) const {
   const QuietErrors quiet;
   Handle data(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT), H5Dclose);

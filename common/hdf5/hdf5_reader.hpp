@@ -35,6 +35,8 @@ class Hdf5Reader {
   std::vector<std::int64_t> integers(const std::string& dataset, const ValueRange& range) const;
   /// Number of values. @throws Error  no such dataset
   std::int64_t size(const std::string& dataset) const;
+  /// Numbers of values along its axes; none of a single value. @throws Error  no such dataset
+  std::vector<std::int64_t> shape(const std::string& dataset) const;
   /// @throws Error  no such dataset, or not one text of fixed length with an end
   std::string text(const std::string& dataset) const;
 

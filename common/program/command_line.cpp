@@ -88,6 +88,11 @@ std::optional<int> read_command_line(int argc, char** argv, const ProgramEntry& 
                    "that are idle) and why, each item ended by a NUL, then end")
         ->type_name("CORES")
         ->check(CLI::NonNegativeNumber);
+    app.add_option(
+           "--write-varying", options.write_varying,
+           "Write the material points at the start with the constants of the materials that "
+           "vary in space to FILE, a table, then end")
+        ->type_name("FILE");
   }
   app.set_version_flag("--version", std::string("gabion ") + version);
   try {

@@ -28,6 +28,7 @@ struct ProgramOptions {
   std::string check_participant;   ///< coupler: drive this participant through a check, then end
   int advise_ranks = -1;           ///< mpm_solver: print how many ranks pay on so many cores (0: on
                                    ///< those it may use), then end; negative: not asked
+  std::string write_varying;       ///< mpm_solver: write constants that vary there, then end
   std::string write_matrices;      ///< fem_solver: write the structure as matrices there, then end
   double amplitude = 0;            ///< size of that check's values [N or m]; 0 = not given
 };

@@ -37,8 +37,9 @@ std::optional<std::vector<double>> ConfigReader::optional_vector(const std::stri
   const Json& value = require_key(key);
   const std::size_t size = value.is_array() ? value.size() : 0;
   if (size < entry.min_width || size > entry.max_width) {
-    fail(key, fmt::format("found {}, allowed: a list of {} or {} numbers", shown(value),
-                          entry.min_width, entry.max_width));
+    fail(key,
+         fmt::format("found {}, allowed: a list of {} {} {} numbers", shown(value), entry.min_width,
+                     entry.max_width - entry.min_width > 1 ? "to" : "or", entry.max_width));
   }
   return given_numbers(key, static_cast<int>(size), entry.range);
 }

@@ -126,6 +126,14 @@ std::string row(const Key& key) {
                      cell(range_text(key)), cell(default_text(key)), cell(meaning(key)));
 }
 
+/// Places of a table, of many the first ones.
+std::string places_text(const std::vector<std::string>& places) {
+  constexpr std::size_t most = 6, shown = 2;
+  if (places.size() <= most) return words_text(places);
+  return fmt::format("{} and {} others", words_text({places.begin(), places.begin() + shown}),
+                     places.size() - shown);
+}
+
 std::string one_of_text(const KeyTable& table) {
   if (table.one_of.empty()) return "";
   return fmt::format(" Exactly one of {}.", words_text(table.one_of));
@@ -163,7 +171,7 @@ std::string keys_as_markdown(const KeyTable& root, const std::string& file) {
   for (const Section& section : sections) {
     const KeyTable& table = *section.table;
     if (&table != &root) {
-      result += fmt::format("\n## {}\n\n{}\n", words_text(section.places),
+      result += fmt::format("\n## {}\n\n{}\n", places_text(section.places),
                             wrapped(table.sentence + one_of_text(table)));
     }
     result += "\n| key | value | unit | range | default | meaning |\n";

@@ -13,7 +13,7 @@
 
 namespace gabion::fem {
 
-const std::vector<std::string> line_laws = {"truss", "cable", "brake", "bar"};
+const std::vector<std::string> line_laws = {"truss", "cable", "brake", "bar", "beam"};
 
 LineResponse respond(const LineMaterial& material, double stress_free_length, double length,
                      double run) {
@@ -79,27 +79,27 @@ double plastic_work(const LineMaterial& bar, std::span<const double> history) {
 }
 
 std::vector<Key> line_keys() {
-  const std::vector<std::string> brake = {"brake"};
+  const std::vector<std::string> brake = {"brake"}, along = {"truss", "cable", "brake", "bar"};
   return {key::number("area", "m^2",
                       "Section of a line without stress; in 2D per metre of thickness [m].")
               .in(positive())
-              .when("law", line_laws),
+              .when("law", along),
           key::number("pretension", "N",
                       "Force in each line as the mesh has it; either this or `length_ratio`.")
               .in(non_negative())
               .or_none()
-              .when("law", line_laws),
+              .when("law", along),
           key::number("length_ratio", "",
                       "Length without stress over the length in the mesh: below 1 tensioned, "
                       "above 1 slack.")
               .in(positive())
               .or_none()
-              .when("law", line_laws),
+              .when("law", along),
           key::boolean("embedded",
                        "Nodes of these lines that are no nodes of cells lie inside cells and move "
                        "with them, without slip, at the place that they have in the mesh.")
               .or_else(false)
-              .when("law", line_laws),
+              .when("law", along),
           key::rows("brake_table", "m, N",
                     "Rows [run, force] of a brake in line with each cell of the group, the first "
                     "at run 0: it runs out where the rope pulls with this force, and never back; "
@@ -162,13 +162,20 @@ void check_elastic_start(const ConfigReader& in, const LineMaterial& bar) {
 
 }  // namespace
 
-LineMaterial read_line_material(ConfigReader in) {
+LineMaterial read_line_material(ConfigReader in, int dim) {
   LineMaterial material;
   material.where = in.where("group");
   material.group = in.text("group");
   material.law_name = in.choice("law");
   material.density = in.number("density");
   material.young_modulus = in.number("young_modulus");
+  if (material.law_name == "beam") {
+    material.beam = read_beam(in, material.young_modulus, dim);
+    material.area = material.beam->section.area;
+    material.in_compression = true;
+    in.finish();
+    return material;
+  }
   material.area = in.number("area");
   material.length_ratio = read_length_ratio(in, material.stiffness());
   material.embedded = in.boolean("embedded");

@@ -8,13 +8,15 @@
 #include <vector>
 
 #include "common/settings/config_reader.hpp"
+#include "fem_solver/beams/cross_section.hpp"
 #include "fem_solver/materials/brake.hpp"
 #include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/materials/hardening.hpp"
 
 namespace gabion::fem {
 
-/// Material and section of the line cells of a group: forces along the line only, from its length.
+/// Material and section of the line cells of a group: forces along the line only, from its length,
+/// unless they are beams.
 struct LineMaterial {
   std::string group;
   std::string where;  ///< place of the group in the config, for errors
@@ -28,6 +30,7 @@ struct LineMaterial {
   std::optional<Brake> brake;   ///< in line with each cell of the group
   std::optional<Hardening> hardening;  ///< of a bar that yields, stress over strain of L0
   double kinematic_modulus = 0;        ///< of the bar [Pa]
+  std::optional<BeamData> beam;        ///< they bend, shear and twist, too
 
   double stiffness() const { return young_modulus * area; }  ///< E A [N]
   /// Numbers that a line remembers: the run of its brake; plastic strain and its sum of a bar.
@@ -57,15 +60,16 @@ LineResponse respond(const LineMaterial& material, double stress_free_length, do
 /// Work of yielding of a bar, per volume [J/m^3].
 double plastic_work(const LineMaterial& bar, std::span<const double> history);
 
-/// Laws of lines: truss, cable, brake, bar.
+/// Laws of lines: truss, cable, brake, bar, beam.
 extern const std::vector<std::string> line_laws;
 
 /// Keys beside group, law, density and young_modulus.
 std::vector<Key> line_keys();
 
 /// Read what group_material_keys() list of a line.
+/// @param dim  of space
 /// @throws ConfigError  a table of a brake that does not rise in run, ...
-LineMaterial read_line_material(ConfigReader in);
+LineMaterial read_line_material(ConfigReader in, int dim);
 
 /// Read "material", of all cells, or "materials", each of a group of cells or lines.
 /// @throws ConfigError  both or neither; a group a second time

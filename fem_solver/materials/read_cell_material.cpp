@@ -65,15 +65,19 @@ KeyTable group_material_keys() {
   table.keys.front() =
       key::choice("law", laws,
                   "Law of the stress; of lines `truss`, `cable` (slack where "
-                  "shorter than without stress), `brake` (a cable with a brake) or `bar` (a truss "
-                  "that yields: reinforcement).");
+                  "shorter than without stress), `brake` (a cable with a brake), `bar` (a truss "
+                  "that yields: reinforcement) or `beam` (it bends, shears and twists).");
+  std::vector<std::string> with_ratio = laws_of_cells;
+  with_ratio.push_back("beam");
   for (Key& key : table.keys) {
-    if (key.name == "poisson_ratio" || key.name == "formulation" || key.name == "rayleigh") {
+    if (key.name == "poisson_ratio") key = key.when("law", with_ratio);
+    if (key.name == "formulation" || key.name == "rayleigh") {
       key = key.when("law", laws_of_cells);
     }
   }
-  const auto lines = line_keys();
-  table.keys.insert(table.keys.end(), lines.begin(), lines.end());
+  for (const auto& keys : {line_keys(), beam_keys()}) {
+    table.keys.insert(table.keys.end(), keys.begin(), keys.end());
+  }
   table.keys.insert(table.keys.begin(),
                     key::text("group",
                               "Group of cells, or of curves whose lines are cells: a "

@@ -26,7 +26,7 @@ std::pair<std::vector<CellMaterial<dim>>, std::vector<LineMaterial>> read_materi
   for (auto& item : in.objects("materials")) {
     const std::string group = item.text("group");
     if (std::ranges::find(line_laws, item.choice("law")) != line_laws.end()) {
-      lines.push_back(read_line_material(item));
+      lines.push_back(read_line_material(item, dim));
     } else {
       materials.push_back(read_cell_material<dim>(item, true));
     }

@@ -94,6 +94,7 @@ MatrixSettings<dim> read_matrix_settings(ConfigReader& in) {
   read_motion<dim>(in, s);
   read_files(in.object("matrices"), s);
   for (auto& item : in.objects("interfaces")) {
+    if (item.has("beams")) item.fail("beams", "has no meaning beside \"matrices\"");
     s.interfaces.push_back(read_interface(item, "facets"));
   }
   s.probes = read_probes<dim>(in);

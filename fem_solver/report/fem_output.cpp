@@ -52,6 +52,13 @@ std::vector<OutputField> frame_fields(const StructureState& state,
   return fields;
 }
 
+/// Number of nodes of all ranks without those of rotations.
+template <int dim>
+std::int32_t places_of_all(const FemSettings<dim>& settings) {
+  return settings.ranks.alone() ? settings.num_places()
+                                : settings.ranks.num_nodes_of_all(settings.mesh);
+}
+
 }  // namespace
 
 template <int dim>
@@ -65,7 +72,7 @@ std::int64_t FemOutput<dim>::frame_bytes(const FemSettings<dim>& settings) {
       plastic_strain = [] { return Values(); };
     if (std::holds_alternative<Concrete<dim>>(material.law)) damages = [] { return Damages(); };
   }
-  return XdmfSeries::frame_bytes(ranks.num_nodes_of_all(mesh), mesh.cell_type,
+  return XdmfSeries::frame_bytes(places_of_all(settings), mesh.cell_type,
                                  ranks.num_cells_of_all(mesh),
                                  frame_fields<dim>({}, {}, plastic_strain, damages));
 }
@@ -79,8 +86,12 @@ void FemOutput<dim>::write(double time, const StructureState& state,
                            const Equilibrium<dim>& equilibrium) {
   const Mesh<dim>& mesh = settings_.mesh;
   const MeshRanks& ranks = settings_.ranks;
-  const NumberedRows nodes(ranks.comm(), ranks.owned_nodes(mesh.num_nodes_total()),
-                           ranks.num_nodes_of_all(mesh));
+  const std::int32_t num_places = settings_.num_places();
+  const NumberedRows nodes(ranks.comm(), ranks.owned_nodes(num_places), places_of_all(settings_));
+  const auto of_places = [&](Values values, int width) {
+    values.resize(static_cast<std::size_t>(num_places) * width);
+    return ranks.owned(std::move(values), width);
+  };
   const NumberedRows cells(ranks.comm(), ranks.own_cells(mesh.num_cells()),
                            ranks.num_cells_of_all(mesh));
   const CellIntegrals<dim>& integrals = equilibrium.cells();
@@ -99,12 +110,12 @@ void FemOutput<dim>::write(double time, const StructureState& state,
     field.make = [&, own = std::move(field.make), width = field.components,
                   on_cells = field.on_cells] {
       return on_cells ? cells.gather_rows(own(), width)
-                      : nodes.gather_rows(ranks.owned(own(), width), width);
+                      : nodes.gather_rows(of_places(own(), width), width);
     };
   }
   Values x = state.motion.u;
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += mesh.nodes[i / dim][i % dim];
-  x = nodes.gather_rows(ranks.owned(std::move(x), dim), dim);
+  x = nodes.gather_rows(of_places(std::move(x), dim), dim);
   std::vector<std::int32_t> corners = mesh.cells;
   for (std::int32_t& i : corners) i = ranks.node_of_all(i);
   corners = cells.gather_rows(std::move(corners), mesh.nodes_per_cell());

@@ -14,6 +14,7 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
+#include "fem_solver/stress/bar_values.hpp"
 #include "fem_solver/stress/cell_damage.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
@@ -155,7 +156,7 @@ typename FemProbes<dim>::Point FemProbes<dim>::locate(const FemSettings<dim>& se
 
 template <int dim>
 FemProbes<dim>::FemProbes(const FemSettings<dim>& settings)
-    : ranks_(settings.ranks), mesh_(settings.mesh) {
+    : ranks_(settings.ranks), mesh_(settings.mesh), settings_(settings) {
   for (const auto& probe : settings.probes) {
     points_.push_back(locate(settings, probe));
     for (int c = 0; c < dim; ++c) {
@@ -172,6 +173,10 @@ FemProbes<dim>::FemProbes(const FemSettings<dim>& settings)
     names_.insert(names_.end(), {"axial_max_" + material.group, "axial_min_" + material.group});
     if (material.hardening) {
       names_.insert(names_.end(), {"stress_max_" + material.group, "stress_min_" + material.group});
+    }
+    if (material.beam) {
+      names_.insert(names_.end(), {"shear_max_" + material.group, "bending_max_" + material.group,
+                                   "torsion_max_" + material.group});
     }
     if (!material.brake) continue;
     brakes_ = true;
@@ -211,8 +216,14 @@ void FemProbes<dim>::add_reaction(const FemSettings<dim>& settings,
                                   const SupportSettings& support) {
   auto nodes = ranks_.group_nodes(settings.mesh, support.group, support.where);
   std::erase_if(nodes, [&](std::int32_t i) { return !ranks_.shared().owns(i); });
-  Reaction reaction{
-      .nodes = std::move(nodes), .force = support.report_reaction, .moment = support.report_moment};
+  std::vector<std::int32_t> rotations;
+  for (const std::int32_t i : nodes) {
+    if (settings.beam_nodes().of(i) >= 0) rotations.push_back(settings.beam_nodes().of(i));
+  }
+  Reaction reaction{.nodes = std::move(nodes),
+                    .rotations = std::move(rotations),
+                    .force = support.report_reaction,
+                    .moment = support.report_moment};
   for (int c = 0; c < dim && reaction.force; ++c) {
     names_.push_back(fmt::format("reaction_{}_{}", support.group, component_names[c]));
   }
@@ -241,6 +252,9 @@ void FemProbes<dim>::add_values(const Reaction& reaction, const StructureState& 
     arm.template head<dim>() = mesh_.nodes[node] + u - reaction.centre;
     r_3.template head<dim>() = r;
     moment += arm.cross(r_3);
+  }
+  for (const auto node : reaction.rotations) {
+    moment += moment_of<dim>(state.reactions, node, settings_.rotation_length);
   }
   if (reaction.force) values.insert(values.end(), force.data(), force.data() + dim);
   if (!reaction.moment) return;
@@ -313,9 +327,16 @@ void FemProbes<dim>::add_lines(const StructureState& state, const CellIntegrals<
       largest = std::max(largest, force);
       minus_least = std::max(minus_least, -force);
     }
-    for (const double each : own) run = std::max(run, each);
+    for (const double each : own) {
+      if (block.material().brake) run = std::max(run, each);
+    }
     values.push_back(ranks_.shared().largest(largest));
     values.push_back(-ranks_.shared().largest(minus_least));
+    if (block.beams()) {
+      for (const double size : largest_resultants(*block.beams(), state.motion.u, own)) {
+        values.push_back(ranks_.shared().largest(size));
+      }
+    }
     if (block.yields()) {
       const double area = block.material().area;
       values.insert(values.end(), {values[values.size() - 2] / area, values.back() / area});
@@ -345,9 +366,10 @@ std::vector<double> FemProbes<dim>::values(const StructureState& state,
   const std::vector<double> momentum = equilibrium.mass_times(state.motion.v);
   Vector<dim> total = Vector<dim>::Zero();
   double kinetic_energy = 0;
+  const auto num_places = static_cast<std::size_t>(settings_.num_places());
   for (std::size_t i = 0; i < momentum.size(); ++i) {
     if (!ranks_.shared().owns(static_cast<std::int32_t>(i / dim))) continue;
-    total[i % dim] += momentum[i];
+    if (i < num_places * dim) total[i % dim] += momentum[i];
     kinetic_energy += 0.5 * momentum[i] * state.motion.v[i];
   }
   const std::size_t energies = result.size();

@@ -16,14 +16,15 @@ namespace gabion::fem {
 /// supports that ask for it (force of the support on the structure), and moment_<group>_<c> [N m];
 /// where cells may yield, plastic_work [J] and the largest plastic strain of a point, of all cells
 /// and of each group; of each group of lines the largest and the least force, axial_max_<group> and
-/// axial_min_<group> [N], and what brakes ran at most, brake_run_<group> [m]; brake_work [J];
-/// stress_max_<group> and
-/// stress_min_<group> [Pa] of bars; damping_work [J] where there is damping; damage_work [J] and
-/// the widest crack of all cells and of each group [m] where cells may crack.
+/// axial_min_<group> [N], of beams the largest shear_max_<group> [N], bending_max_<group> at their
+/// ends and torsion_max_<group> [N m], and what brakes ran at most, brake_run_<group> [m];
+/// brake_work [J]; stress_max_<group> and stress_min_<group> [Pa] of bars; damping_work [J] where
+/// there is damping; damage_work [J] and the widest crack of all cells and of each group [m] where
+/// cells may crack.
 template <int dim>
 class FemProbes {
  public:
-  /// Refers to the ranks of the settings.
+  /// Refers to the settings.
   /// @throws ConfigError  a probe point outside the mesh
   /// @note Collective.
   explicit FemProbes(const FemSettings<dim>& settings);
@@ -39,7 +40,8 @@ class FemProbes {
     std::vector<double> weights;      // shape functions at the point
   };
   struct Reaction {
-    std::vector<std::int32_t> nodes;  // that this rank owns
+    std::vector<std::int32_t> nodes;      // that this rank owns
+    std::vector<std::int32_t> rotations;  // of those of beams
     bool force = false, moment = false;
     Vector<dim> centre = Vector<dim>::Zero();  // of the facets before loading
   };
@@ -56,6 +58,7 @@ class FemProbes {
 
   const MeshRanks& ranks_;
   const Mesh<dim>& mesh_;
+  const FemSettings<dim>& settings_;
   std::vector<std::string> names_;
   std::vector<Point> points_;
   std::vector<Reaction> reactions_;

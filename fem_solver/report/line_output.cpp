@@ -33,9 +33,48 @@ bool has_bars(const FemSettings<dim>& settings) {
   });
 }
 
+/// Names of resultants of beams and their places among N, V_2, V_3, T, M_2, M_3.
+template <int dim>
+std::map<std::string, int> beam_fields() {
+  if (dim == 2) return {{"shear_force", 1}, {"bending_moment", 5}};
+  return {{"shear_force_2", 1},
+          {"shear_force_3", 2},
+          {"torsion", 3},
+          {"bending_moment_2", 4},
+          {"bending_moment_3", 5}};
+}
+
+/// One of the resultants of each line, 0 where it is no beam.
+template <int dim>
+Values beam_values(const CellIntegrals<dim>& cells, const StructureState& state,
+                   std::span<const double> history, int place, std::int32_t num_lines) {
+  Values values(static_cast<std::size_t>(num_lines), 0.0);
+  for (std::size_t b = 0; b < cells.line_blocks().size(); ++b) {
+    const LineBlock<dim>& block = cells.line_blocks()[b];
+    if (!block.beams()) continue;
+    const auto own = block.beams()->resultants(state.motion.u, cells.of_line_block(history, b));
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      values[block.lines()[k]] = place < 3 ? own[k].force[place] : own[k].moment[place - 3];
+    }
+  }
+  return values;
+}
+
+template <int dim>
+bool has_beams(const FemSettings<dim>& settings) {
+  return std::ranges::any_of(settings.line_materials, [](const LineMaterial& material) {
+    return material.beam.has_value();
+  });
+}
+
 template <int dim>
 std::vector<OutputField> line_fields(const FemSettings<dim>& settings) {
   std::vector<OutputField> fields = {{.name = "axial_force", .on_cells = true}};
+  if (has_beams(settings)) {
+    for (const auto& [name, place] : beam_fields<dim>()) {
+      fields.push_back({.name = name, .on_cells = true});
+    }
+  }
   if (has_brakes(settings)) fields.push_back({.name = "brake_run", .on_cells = true});
   if (has_bars(settings)) {
     fields.push_back({.name = "axial_stress", .on_cells = true});
@@ -81,11 +120,16 @@ void LineOutput<dim>::write(double time, const StructureState& state,
   ends = rows.gather_rows(std::move(ends), 2);
   const CellIntegrals<dim>& cells = equilibrium.cells();
   auto fields = line_fields<dim>(settings_);
-  const std::map<std::string, std::function<Values()>> values = {
+  std::map<std::string, std::function<Values()>> values = {
       {"axial_force", [&] { return cells.line_forces(state.motion.u, history); }},
       {"brake_run", [&] { return cells.line_runs(history); }},
       {"axial_stress", [&] { return line_stresses<dim>(cells, state.motion.u, history); }},
       {"plastic_strain", [&] { return line_plastic_strains<dim>(cells, history); }}};
+  for (const auto& [name, place] : beam_fields<dim>()) {
+    values[name] = [&, place] {
+      return beam_values<dim>(cells, state, history, place, mesh.num_lines());
+    };
+  }
   for (OutputField& field : fields) {
     field.make = [&rows, make = values.at(field.name)] { return rows.gather_rows(make(), 1); };
   }

@@ -11,8 +11,9 @@
 namespace gabion::fem {
 
 /// Time series "lines" of the deformed line cells, each with end points of its own: axial_force
-/// (tension positive) and, where there are brakes, brake_run on the lines, in the order of the
-/// mesh.
+/// (tension positive), where there are beams shear forces, torsion and bending moments in their
+/// middles (in 2D shear_force and bending_moment), and, where there are brakes, brake_run on the
+/// lines, in the order of the mesh.
 template <int dim>
 class LineOutput {
  public:

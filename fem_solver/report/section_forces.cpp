@@ -40,7 +40,10 @@ template <int dim>
 SectionForces<dim>::SectionForces(const FemSettings<dim>& settings,
                                   const SectionSettings<dim>& section,
                                   const CellIntegrals<dim>& cells)
-    : mesh_(settings.mesh), ranks_(settings.ranks), section_(section) {
+    : mesh_(settings.mesh),
+      ranks_(settings.ranks),
+      section_(section),
+      beam_nodes_(settings.beam_nodes()) {
   const SharedNodes& shared = ranks_.shared();
   std::vector<double> sides(mesh_.nodes.size() * 2, 0.0);  // elements behind, in front
   for (std::int32_t e = 0; e < mesh_.num_elements(); ++e) {
@@ -105,9 +108,10 @@ void SectionForces<dim>::find_parts(const FemSettings<dim>& settings,
       places.push_back(k);
     }
     if (own.empty()) continue;
-    line_parts_.push_back({LineBlock<dim>(mesh_, block.material(), std::move(own),
-                                          settings.lumped_mass, settings.embedded),
-                           b, std::move(places)});
+    line_parts_.push_back(
+        {LineBlock<dim>(mesh_, block.material(), std::move(own), settings.lumped_mass,
+                        {{}, beam_nodes_, &settings.embedded}),
+         b, std::move(places)});
   }
 }
 
@@ -155,6 +159,9 @@ std::vector<double> SectionForces<dim>::values(const StructureState& state,
     arm.template head<dim>() = mesh_.nodes[i] + u - section_.point;
     force += own;
     moment += arm.cross(own);
+    if (const auto turn = beam_nodes_.of(static_cast<std::int32_t>(i)); turn >= 0) {
+      moment += moment_of<dim>(f, turn, beam_nodes_.length);
+    }
     if (!ranks_.shared().owns(static_cast<std::int32_t>(i))) continue;
     for (int c = 0; c < dim; ++c) sums[6 + c] += u[c] / num_cut_;
   }

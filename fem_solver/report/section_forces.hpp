@@ -14,8 +14,8 @@ namespace gabion::fem {
 
 /// Force and moment that the part of a structure in front of a plane exerts on the part behind it:
 /// sums of the nodal forces of the cells and lines behind, at the nodes that both parts have. They
-/// balance loads, reactions, inertia and damping of the part behind to rounding. A cell or line is behind
-/// when its centre is, before loading: the cut follows cell sides.
+/// balance loads, reactions, inertia and damping of the part behind to rounding. A cell or line is
+/// behind when its centre is, before loading: the cut follows cell sides.
 template <int dim>
 class SectionForces {
  public:
@@ -50,6 +50,7 @@ class SectionForces {
   const Mesh<dim>& mesh_;
   const MeshRanks& ranks_;
   SectionSettings<dim> section_;
+  BeamNodes beam_nodes_;   // of the settings
   std::vector<char> cut_;  // by node: parts on both sides have it
   double num_cut_ = 0;     // nodes of all ranks
   std::vector<Part<CellBlock<dim>>> cell_parts_;

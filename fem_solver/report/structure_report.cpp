@@ -47,7 +47,7 @@ Json StructureReport<dim>::summary() const {
   const MeshRanks& ranks = settings_.ranks;
   const std::int64_t num_nodes = ranks.num_nodes_of_all(mesh);
   Json result = step_.summary();
-  result["nodes"] = num_nodes;
+  result["nodes"] = ranks.alone() ? settings_.num_places() : num_nodes;
   result["unknowns"] = num_nodes * dim - num_constrained_;
   result["frame_bytes"] =
       FemOutput<dim>::frame_bytes(settings_) + LineOutput<dim>::frame_bytes(settings_);

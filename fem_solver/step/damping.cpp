@@ -34,7 +34,7 @@ void Damping<dim>::add_mass(const FemSettings<dim>& settings) {
   for (auto& material : materials) material.density *= material.rayleigh.mass;
   for (auto& line : lines) line.density = 0;
   const CellIntegrals<dim> scaled(settings.mesh, materials, settings.lumped_mass, settings.ranks,
-                                  {lines, &settings.embedded});
+                                  {lines, settings.beam_nodes(), &settings.embedded});
   scaled.add_mass(1, C_);
 }
 

@@ -30,8 +30,9 @@ CellIntegrals<dim> make_cells(const FemSettings<dim>& settings) {
   std::optional<CellIntegrals<dim>> cells;
   together<ConfigError>(settings.ranks.comm(), [&] {
     refuse_loose_cells<dim>(settings.mesh, settings.materials, settings.ranks);
-    cells.emplace(settings.mesh, settings.materials, settings.lumped_mass, settings.ranks,
-                  LinesOfMesh<dim>(settings.line_materials, &settings.embedded));
+    cells.emplace(
+        settings.mesh, settings.materials, settings.lumped_mass, settings.ranks,
+        LinesOfMesh<dim>{settings.line_materials, settings.beam_nodes(), &settings.embedded});
   });
   cells->set_nodal_parts(nodal_parts(settings));
   return std::move(*cells);
@@ -47,7 +48,8 @@ Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
       conditions_(conditions),
       embedded_(settings.embedded),
       cells_(make_cells(settings)),
-      has_lines_(!settings.line_materials.empty()),
+      has_lines_(std::ranges::any_of(settings.line_materials,
+                                     [](const auto& material) { return !material.beam; })),
       scheme_(settings.time_integration),
       smallest_cell_size_(-shared().largest(-cells_.smallest_cell_size())),
       num_dofs_(settings.mesh.nodes.size() * dim),
@@ -77,6 +79,7 @@ void Equilibrium<dim>::find_wave_speed(const FemSettings<dim>& settings) {
         material.law);
   }
   for (const LineMaterial& material : settings.line_materials) {
+    if (material.beam && dim == 3) symmetric_ = false;  // moments on spins
     wave_speed_ = std::max(wave_speed_, std::sqrt(material.young_modulus / material.density));
   }
 }

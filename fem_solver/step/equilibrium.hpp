@@ -139,7 +139,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   const EmbeddedNodes<dim>& embedded_;
   CellIntegrals<dim> cells_;
   std::unique_ptr<Damping<dim>> damping_;  // null: none
-  bool has_lines_;                         // a rank has some
+  bool has_lines_;                         // a rank has some, beside beams
   NewmarkBossak scheme_;
   double smallest_cell_size_ = 0;  // of all cells [m]
   std::size_t num_dofs_ = 0;

@@ -9,52 +9,28 @@
 #include "common/mechanics/petsc/linear_method.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/time_integration/step_force_filter.hpp"
+#include "fem_solver/step/full_steps.hpp"
 #include "fem_solver/step/kept_factor.hpp"
+#include "fem_solver/step/start_values.hpp"
 #include "fem_solver/step/step_work.hpp"
 
 namespace gabion::fem {
-
-namespace {
-
-bool is_zero(double x) {
-  return x == 0;
-}
-
-/// Coordinates of the nodes that this rank owns [m].
-template <int dim>
-std::vector<double> coordinates(const FemSettings<dim>& settings) {
-  std::vector<double> x;
-  x.reserve(settings.mesh.nodes.size() * dim);
-  for (const Vector<dim>& node : settings.mesh.nodes) x.insert(x.end(), node.begin(), node.end());
-  return settings.ranks.owned(std::move(x), dim);
-}
-
-template <int dim>
-std::vector<double> gravity_forces(const FemSettings<dim>& settings,
-                                   const Equilibrium<dim>& equilibrium) {
-  std::vector<double> g(equilibrium.num_dofs());
-  for (std::size_t i = 0; i < g.size(); ++i) g[i] = settings.gravity[i % dim];
-  return settings.gravity.isZero(0) ? std::vector<double>(g.size(), 0.0)
-                                    : equilibrium.mass_times(g);
-}
-
-}  // namespace
 
 template <int dim>
 StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm comm)
     : dynamic_(settings.dynamic),
       initial_equilibrium_(settings.initial_equilibrium),
       initial_velocity_(settings.initial_velocity),
+      num_places_(static_cast<std::size_t>(settings.num_places())),
+      beams_(settings.beam_nodes().any()),
       slender_(is_slender(settings.mesh, settings.ranks)),
       newton_(settings.newton),
       conditions_(settings),
       equilibrium_(settings, conditions_, comm),
-      linear_(comm, dim,
-              with_kept_factor<dim>(settings.linear_solver, settings.mesh, settings.ranks,
-                                    settings.dynamic)),
+      linear_(comm, dim, full_step_solver(settings)),
       weight_(gravity_forces(settings, equilibrium_)) {
   equilibrium_.set_pattern(K_);
-  linear_.set_coordinates(coordinates(settings));
+  linear_.set_coordinates(coordinates_of(settings));
 }
 
 template <int dim>
@@ -119,7 +95,7 @@ StructureState StructureStep<dim>::state_of(std::vector<double> u, std::vector<d
 template <int dim>
 StructureState StructureStep<dim>::initial_state() {
   std::vector<double> u(equilibrium_.num_dofs(), 0.0), v(equilibrium_.num_dofs());
-  for (std::size_t i = 0; i < v.size(); ++i) v[i] = initial_velocity_[i % dim];
+  for (std::size_t i = 0; i < num_places_ * dim; ++i) v[i] = initial_velocity_[i % dim];
   if (!initial_equilibrium_) {
     StructureState state = state_of(std::move(u), std::move(v));
     if (dynamic_) state.external_work = work_before_start(equilibrium_, conditions_, state);
@@ -139,6 +115,7 @@ StructureState StructureStep<dim>::initial_state() {
     state = reference;
   } else {
     std::vector<double> du = first_guess(reference, 0);
+    approach(reference, reference.f_ext, 1, /*with_inertia=*/false, du);
     solve_balance(reference, reference.f_ext, 1, /*with_inertia=*/false, du);
     fill_trial(reference, f, 0, du, state);
   }
@@ -241,20 +218,42 @@ NewtonReport StructureStep<dim>::solve_balance(const StructureState& state_n,
   }
 }
 
+template <int dim>
+int StructureStep<dim>::approach(const StructureState& state_n, std::span<const double> f_ext,
+                                 double dt, bool with_inertia, std::vector<double>& du) {
+  if (!beams_) return 0;
+  prepare_matrix(state_n, dt, with_inertia);
+  held_tangent_.reset();
+  equilibrium_.set_history(state_n.history);
+  equilibrium_.begin_step(state_n.motion, f_ext, start_forces(state_n, with_inertia), dt,
+                          with_inertia);
+  const int steps = take_full_steps(equilibrium_, K_, linear_, du);
+  newton_iterations_ += steps;
+  return steps;
+}
+
 /// Solve from the guess; where that fails, from the displacement at the start of the step. After an
 /// impact single nodes may be so fast that they cannot go on at their speed for a step.
 template <int dim>
 NewtonReport StructureStep<dim>::solve_from_guess(const StructureState& state_n,
                                                   std::span<const double> f_ext, double dt,
                                                   std::vector<double>& du) {
+  int full_steps = 0;
+  if (!dynamic_ && !last_) full_steps += approach(state_n, f_ext, dt, dynamic_, du);
+  const auto solve = [&] {
+    NewtonReport report = solve_balance(state_n, f_ext, dt, dynamic_, du);
+    report.iterations += full_steps;
+    return report;
+  };
   try {
-    return solve_balance(state_n, f_ext, dt, dynamic_, du);
+    return solve();
   } catch (const ConvergenceError&) {
     if (!dynamic_ && !last_) throw;
   }
   last_.reset();
   du = first_guess(state_n, dt, /*moving=*/false);
-  return solve_balance(state_n, f_ext, dt, dynamic_, du);
+  full_steps += approach(state_n, f_ext, dt, dynamic_, du);
+  return solve();
 }
 
 template <int dim>

@@ -74,6 +74,8 @@ class StructureStep {
                        std::span<const double> constrained_u) const;
   std::vector<double> first_guess(const StructureState& state_n, double dt,
                                   bool moving = true) const;
+  int approach(const StructureState& state_n, std::span<const double> f_ext, double dt,
+               bool with_inertia, std::vector<double>& du);
   NewtonReport solve_from_guess(const StructureState& state_n, std::span<const double> f_ext,
                                 double dt, std::vector<double>& du);
   bool prepare_matrix(const StructureState& state_n, double dt, bool with_inertia);
@@ -85,6 +87,8 @@ class StructureStep {
   bool dynamic_;
   bool initial_equilibrium_;
   Vector<dim> initial_velocity_;
+  std::size_t num_places_;  // nodes without those of rotations
+  bool beams_;
   bool slender_;
   NewtonSettings newton_;
   BoundaryConditions<dim> conditions_;

@@ -79,15 +79,21 @@ void CellIntegrals<dim>::make_line_blocks(const Mesh<dim>& mesh, const LinesOfMe
                                           bool lumped, const MeshRanks& ranks) {
   const EmbeddedNodes<dim> none;
   const EmbeddedNodes<dim>& embedded = lines.embedded ? *lines.embedded : none;
+  auto of_materials = lines_of_materials<dim>(mesh, lines.materials, ranks);
+  std::vector<char> is_beam(static_cast<std::size_t>(mesh.num_lines()), 0);
+  for (std::size_t m = 0; m < lines.materials.size(); ++m) {
+    for (const std::int32_t l : of_materials[m]) is_beam[l] = lines.materials[m].beam ? 1 : 0;
+  }
   for (std::int32_t l = 0; l < mesh.num_lines(); ++l) {
-    const auto nodes = embedded.line_nodes(mesh, l);
+    auto nodes = embedded.line_nodes(mesh, l);
+    if (is_beam[l]) {
+      for (const std::int32_t i : mesh.line(l)) nodes.push_back(lines.beam_nodes.of(i));
+    }
     line_nodes_.insert(line_nodes_.end(), nodes.begin(), nodes.end());
     line_ends_.push_back(static_cast<std::int32_t>(line_nodes_.size()));
   }
-  auto of_materials = lines_of_materials<dim>(mesh, lines.materials, ranks);
   for (std::size_t m = 0; m < lines.materials.size(); ++m) {
-    line_blocks_.emplace_back(mesh, lines.materials[m], std::move(of_materials[m]), lumped,
-                              embedded);
+    line_blocks_.emplace_back(mesh, lines.materials[m], std::move(of_materials[m]), lumped, lines);
   }
 }
 

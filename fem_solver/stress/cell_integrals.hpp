@@ -12,16 +12,6 @@
 
 namespace gabion::fem {
 
-/// Materials of lines, and their nodes inside cells; null: none. Refers to its arguments.
-template <int dim>
-struct LinesOfMesh {
-  LinesOfMesh() = default;
-  LinesOfMesh(const std::vector<LineMaterial>& of_groups, const EmbeddedNodes<dim>* nodes = nullptr)
-      : materials(of_groups), embedded(nodes) {}
-  std::span<const LineMaterial> materials;
-  const EmbeddedNodes<dim>* embedded = nullptr;
-};
-
 /// Integrals over the cells and lines of a mesh, or a rank's part of one, in the reference
 /// configuration: sums over those of this rank alone, block by block, lines behind the others. The
 /// history is that of the blocks, one after the other; it is empty where no block has any.
@@ -30,7 +20,7 @@ class CellIntegrals {
  public:
   /// @param materials  of all cells, or each of a group of cells
   /// @param ranks      for the number of a cell in messages
-  /// @param lines      their materials, each of a group of lines, and which nodes are embedded
+  /// @param lines      their materials, each of a group of lines; rotations; embedded nodes
   /// @throws ConfigError  a cell with a Jacobian <= 0 at a quadrature point; one without material,
   ///                      or with two, as of a line; a formulation that its type does not have
   CellIntegrals(const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials,
@@ -117,8 +107,9 @@ class CellIntegrals {
   std::int32_t num_cells_ = 0;
   std::vector<std::int32_t> cell_nodes_;  // cells x nodes
   std::vector<CellBlock<dim>> blocks_;
-  std::vector<std::int32_t> line_nodes_;  // that lines act on, line by line
-  std::vector<std::int32_t> line_ends_;   // end of each line in line_nodes_
+  std::vector<std::int32_t>
+      line_nodes_;                       // that lines act on, rotations of beams last, line by line
+  std::vector<std::int32_t> line_ends_;  // end of each line in line_nodes_
   std::vector<LineBlock<dim>> line_blocks_;
   NodalParts<dim> nodal_parts_;
   std::vector<double> cell_masses_;    // cells x nodes x nodes [kg]; empty when lumped

@@ -43,11 +43,14 @@ void set_block(LineMatrix& K, std::size_t a, std::size_t b, const Matrix<dim>& S
 template <int dim>
 LineBlock<dim>::LineBlock(const Mesh<dim>& mesh, const LineMaterial& material,
                           std::vector<std::int32_t> lines, bool lumped_mass,
-                          const EmbeddedNodes<dim>& embedded)
+                          const LinesOfMesh<dim>& of)
     : material_(material),
       lines_(std::move(lines)),
       num_cells_(mesh.num_cells()),
       lumped_mass_(lumped_mass) {
+  const EmbeddedNodes<dim> none;
+  const EmbeddedNodes<dim>& embedded = of.embedded ? *of.embedded : none;
+  if (material_.beam) beams_.emplace(mesh, material_, lines_, of.beam_nodes);
   for (const std::int32_t l : lines_) {
     const auto ends = mesh.line(l);
     for (const std::int32_t i : embedded.line_nodes(mesh, l)) {
@@ -98,6 +101,7 @@ void LineBlock<dim>::add_pair(std::size_t k, const Matrix<dim>& S, BlockMatrix<d
 template <int dim>
 StressIntegral LineBlock<dim>::add_internal(std::span<const double> u, std::span<double> f_int,
                                             BlockMatrix<dim>* K, HistoryStep history) const {
+  if (beams_) return beams_->add_internal(u, f_int, K, history);
   StressIntegral result;
   std::vector<double> memory;
   for (std::size_t k = 0; k < lines_.size(); ++k) {
@@ -124,6 +128,7 @@ StressIntegral LineBlock<dim>::add_internal(std::span<const double> u, std::span
 
 template <int dim>
 void LineBlock<dim>::add_stiffness(double share, BlockMatrix<dim>& K) const {
+  if (beams_) return;
   std::vector<double> memory;
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     const double stiffness = share * material_.stiffness() / free_lengths_[k];
@@ -133,6 +138,7 @@ void LineBlock<dim>::add_stiffness(double share, BlockMatrix<dim>& K) const {
 
 template <int dim>
 void LineBlock<dim>::add_mass_times(std::span<const double> a, std::span<double> f) const {
+  if (beams_) beams_->add_rotary_mass_times(a, f);
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     const double mass = material_.density * material_.area * free_lengths_[k];
     Vector<dim> a_1 = Vector<dim>::Zero(), a_2 = Vector<dim>::Zero();
@@ -157,6 +163,13 @@ void LineBlock<dim>::add_mass(double scale, BlockMatrix<dim>& K) const {
     const double mass = scale * material_.density * material_.area * free_lengths_[k];
     const double own = lumped_mass_ ? 1.0 / 2 : 1.0 / 3, other = 0.5 - own;
     const auto nodes = shares(k);
+    if (beams_) {
+      for (int end = 0; end < 2; ++end) {
+        K.add_block(nodes[end].node, nodes[end].node, own * mass * unit);
+        K.add_block(nodes[end].node, nodes[1 - end].node, other * mass * unit);
+      }
+      continue;
+    }
     LineMatrix M = line_matrix(nodes.size() * dim, memory);
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const Share& a = nodes[i];
@@ -170,12 +183,17 @@ void LineBlock<dim>::add_mass(double scale, BlockMatrix<dim>& K) const {
     M *= mass;
     K.add_cell(num_cells_ + lines_[k], M.data());
   }
+  if (beams_) beams_->add_rotary_mass(scale, K);
 }
 
 template <int dim>
 std::vector<double> LineBlock<dim>::forces(std::span<const double> u,
                                            std::span<const double> history) const {
   std::vector<double> forces;
+  if (beams_) {
+    for (const auto& beam : beams_->resultants(u, history)) forces.push_back(beam.force[0]);
+    return forces;
+  }
   const std::size_t width = history_width();
   std::vector<double> unused(width);
   for (std::size_t k = 0; k < lines_.size(); ++k) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,22 +10,34 @@
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "fem_solver/materials/line_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
+#include "fem_solver/stress/beam_cells.hpp"
 #include "fem_solver/stress/embedded_nodes.hpp"
 #include "fem_solver/stress/stress_integral.hpp"
 
 namespace gabion::fem {
 
+/// Materials of the lines of a mesh, each of a group; the rotations of those that are beams; nodes
+/// inside cells, null: none. Refers to its arguments.
+template <int dim>
+struct LinesOfMesh {
+  std::span<const LineMaterial> materials{};
+  BeamNodes beam_nodes{};
+  const EmbeddedNodes<dim>* embedded = nullptr;
+};
+
 /// Line cells of one material: straight between two nodes, one force each. Histories given to its
 /// functions are those of its lines, one after the other: the run of the brake, where there is one.
+/// Beams have moments at the rotations of their nodes, too.
 template <int dim>
 class LineBlock {
  public:
   /// @param lines        of the mesh
   /// @param lumped_mass  half of the mass at each end instead of the consistent mass
-  /// @param embedded     ends that move with cells, whose nodes then take their forces and masses
+  /// @param of           rotations of beams, and ends that move with cells, whose nodes then take
+  ///                     their forces and masses
   /// @throws ConfigError  a brake whose force falls more steeply than a line stretches
   LineBlock(const Mesh<dim>& mesh, const LineMaterial& material, std::vector<std::int32_t> lines,
-            bool lumped_mass, const EmbeddedNodes<dim>& embedded = {});
+            bool lumped_mass, const LinesOfMesh<dim>& of = {});
 
   /// f_2 = N e, f_1 = -N e, e the direction of the deformed line, and on demand
   /// K_22 = dN/dl e e^T + N/l (1 - e e^T) = -K_12. See CellIntegrals::add_internal; a fault is of
@@ -37,7 +50,7 @@ class LineBlock {
   void add_mass_times(std::span<const double> a, std::span<double> f) const;
   void add_mass(double scale, BlockMatrix<dim>& K) const;
 
-  /// Forces of its lines, tension positive [N]. @param history  accepted
+  /// Forces along its lines, tension positive [N]. @param history  accepted
   std::vector<double> forces(std::span<const double> u, std::span<const double> history) const;
   double brake_work(std::span<const double> history) const;    ///< [J]
   double plastic_work(std::span<const double> history) const;  ///< of bars [J]
@@ -46,7 +59,11 @@ class LineBlock {
 
   const LineMaterial& material() const { return material_; }
   std::span<const std::int32_t> lines() const { return lines_; }
-  std::size_t history_width() const { return material_.history_size(); }  ///< of a line
+  /// Null: its lines are no beams.
+  const BeamCells<dim>* beams() const { return beams_ ? &*beams_ : nullptr; }
+  std::size_t history_width() const {  ///< of a line
+    return beams_ ? BeamCells<dim>::history_width : material_.history_size();
+  }
   bool yields() const { return material_.hardening.has_value(); }
   std::size_t history_size() const { return history_width() * lines_.size(); }
 
@@ -75,6 +92,7 @@ class LineBlock {
   std::vector<Share> shares_;              // its ends, or the nodes of their hosts
   std::vector<Vector<dim>> chords_;        // from the first node to the second, in the mesh [m]
   std::vector<double> free_lengths_;       // without stress [m]
+  std::optional<BeamCells<dim>> beams_;
 };
 
 }  // namespace gabion::fem

@@ -28,7 +28,7 @@ std::int32_t node_at(const Mesh<dim>& mesh, const MeshRanks& ranks, const Vector
   Vector<dim> low = Vector<dim>::Constant(infinity), high = -low;
   std::int32_t nearest = -1;
   double own_distance = infinity;
-  for (std::int32_t i = 0; i < mesh.num_nodes_total(); ++i) {
+  for (std::int32_t i = 0; i < mesh.num_nodes_total(); ++i) {  // rotations follow their places
     const Vector<dim>& x = mesh.nodes[i];
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
@@ -130,7 +130,15 @@ std::vector<int> BoundaryConditions<dim>::find_owners(const FemSettings<dim>& se
     for (const auto node : ranks.group_nodes(settings.mesh, support.group, support.where)) {
       for (const int c : support.components)
         add_constraint(owner, {node, c, fixed_dof}, ranks, support.where);
+      for (const int c : support.rotations) {
+        const int own = dim == 2 ? 0 : c;
+        add_constraint(owner, {settings.beam_nodes().of(node), own, fixed_dof}, ranks,
+                       support.where);
+      }
     }
+  }
+  for (const std::int32_t node : settings.rotation_nodes) {
+    if (dim == 2 && node >= 0) add_constraint(owner, {node, 1, fixed_dof}, ranks, "");
   }
   for (const auto& prescribed : settings.prescribed) {
     const int function = static_cast<int>(functions_.size());
@@ -207,6 +215,36 @@ void add_dashpots(const FemSettings<dim>& settings, BlockMatrix<dim>& C) {
   }
 }
 
+namespace {
+
+template <int dim>
+std::vector<std::int32_t> rotations_of(const FemSettings<dim>& settings,
+                                       const LoadSettings<dim>& load,
+                                       std::span<const std::int32_t> nodes) {
+  std::vector<std::int32_t> rotations;
+  for (const auto node : nodes) {
+    rotations.push_back(settings.beam_nodes().of(node));
+    if (rotations.back() >= 0) continue;
+    throw ConfigError(fmt::format(
+        "{}: found a \"moment\" on node {}, which is of no beam, allowed: nodes of lines "
+        "with \"law\" \"beam\"",
+        load.where, settings.ranks.node_of_all(node)));
+  }
+  return rotations;
+}
+
+/// Of the unknowns of a rotation.
+template <int dim>
+Vector<dim> moment_share(const Vector<3>& moment) {
+  if constexpr (dim == 2) {
+    return {moment[2], 0};
+  } else {
+    return moment;
+  }
+}
+
+}  // namespace
+
 template <int dim>
 void BoundaryConditions<dim>::collect_loads(const FemSettings<dim>& settings) {
   const Mesh<dim>& mesh = settings.mesh;
@@ -218,6 +256,13 @@ void BoundaryConditions<dim>::collect_loads(const FemSettings<dim>& settings) {
     loads_.push_back({.nodes = nodes,
                       .forces = std::vector<Vector<dim>>(nodes.size(), share),
                       .factor = load.factor});
+    if (load.moment.isZero(0)) continue;
+    loads_.push_back(
+        {.nodes = rotations_of(settings, load, nodes),
+         .forces = std::vector<Vector<dim>>(
+             nodes.size(), moment_share<dim>(load.moment) /
+                               (settings.rotation_length * shared.total(static_cast<double>(own)))),
+         .factor = load.factor});
   }
   for (const auto& traction : settings.tractions) {
     auto weights = facet_weights(

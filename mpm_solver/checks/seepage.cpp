@@ -217,12 +217,6 @@ const Body<dim>* undrained_body(const std::vector<Body<dim>>& bodies) {
   return body == bodies.end() ? nullptr : &*body;
 }
 
-void require_one_rank_for_seepage(int num_ranks, const std::string& bodies_where) {
-  if (num_ranks == 1) return;
-  throw ConfigError(fmt::format("{}: found \"water\" with \"permeability\" on {} ranks, allowed: 1",
-                                bodies_where, num_ranks));
-}
-
 template const Body<2>* undrained_body<2>(const std::vector<Body<2>>&);
 template const Body<3>* undrained_body<3>(const std::vector<Body<3>>&);
 template void check_seepage<2>(const ConfigReader&, const MpmSettings<2>&);

@@ -21,8 +21,4 @@ void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings);
 template <int dim>
 const Body<dim>* undrained_body(const std::vector<Body<dim>>& bodies);
 
-/// Refuse soil whose pore water drains on several ranks.
-/// @throws ConfigError
-void require_one_rank_for_seepage(int num_ranks, const std::string& bodies_where);
-
 }  // namespace gabion::mpm

@@ -26,6 +26,31 @@ double largest_pressure(const MpmSettings<dim>& settings) {
   return sum;
 }
 
+// @param where  of the softening, and of the point where constants vary
+template <int dim>
+void check_soil(const SofteningSoil<dim>& soil, double widest, double pressure,
+                const std::string& where) {
+  const bool by_slip = soil.parameters().by_slip;
+  const double rate = by_slip ? std::numbers::sqrt3 * widest : 1;
+  const double steepness = snap_back(soil.surface(), rate, pressure);
+  const double mu = soil.shear_modulus();
+  require<ConfigError>(steepness < 1, [&] {
+    return fmt::format(
+        "{}: found a strength that falls {:.3g} times as fast with the shear as the stress of a "
+        "point can unload, {}with a shear modulus of {:.3g} Pa, allowed: less than as fast; {}a "
+        "shear modulus above {:.3g} Pa",
+        where, steepness,
+        by_slip ? fmt::format("in shear bands {:.3g} m wide (which the cells of the grid make) ",
+                              widest)
+                : "",
+        mu,
+        by_slip ? fmt::format("slips {:.3g} times as long, or cells {:.3g} times as large, or ",
+                              steepness, 1 / steepness)
+                : fmt::format("strains {:.3g} times as large, or ", steepness),
+        mu * steepness);
+  });
+}
+
 }  // namespace
 
 template <int dim>
@@ -38,27 +63,20 @@ void require_no_snap_back(const MpmSettings<dim>& settings) {
   for (std::int32_t c = 0; c < settings.grid.num_cells(); ++c) {
     widest = std::max(widest, band_width(settings.grid, c));
   }
+  const double pressure = largest_pressure(settings);
   for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
     const auto* soil = std::get_if<SofteningSoil<dim>>(&settings.bodies[b].material.law);
     if (soil == nullptr) continue;
-    const bool by_slip = soil->parameters().by_slip;
-    const double rate = by_slip ? std::numbers::sqrt3 * widest : 1;
-    const double steepness = snap_back(soil->surface(), rate, largest_pressure(settings));
-    const double mu = soil->shear_modulus();
-    require<ConfigError>(
-        steepness < 1,
-        "{}/{}/material/softening: found a strength that falls {:.3g} times as fast with the shear "
-        "as the stress of a point can unload, {}with a shear modulus of {:.3g} Pa, allowed: less "
-        "than as fast; {}a shear modulus above {:.3g} Pa",
-        settings.bodies_where, b, steepness,
-        by_slip ? fmt::format("in shear bands {:.3g} m wide (which the cells of the grid make) ",
-                              widest)
-                : "",
-        mu,
-        by_slip ? fmt::format("slips {:.3g} times as long, or cells {:.3g} times as large, or ",
-                              steepness, 1 / steepness)
-                : fmt::format("strains {:.3g} times as large, or ", steepness),
-        mu * steepness);
+    const std::string where = fmt::format("{}/{}/material/softening", settings.bodies_where, b);
+    if (b >= settings.varying.size() || !settings.varying[b]) {
+      check_soil(*soil, widest, pressure, where);
+      continue;
+    }
+    settings.varying[b]->for_each_point(
+        settings.layouts[b], [&](const std::string& place, const Material<dim>& material) {
+          check_soil(std::get<SofteningSoil<dim>>(material.law), widest, pressure,
+                     where + ", " + place);
+        });
   }
 }
 

@@ -48,6 +48,51 @@ struct PlacedSurface {
   FacetHash<dim> hash;
 };
 
+/// Simplices near each of some material points. Points that stand together, as those laid in one
+/// cell do, share a look at the lists of the surface.
+template <int dim>
+class NearPoints {
+ public:
+  NearPoints(const PlacedSurface<dim>& surface, std::span<const Vector<dim>> x, double reach)
+      : surface_(surface), x_(x), reach_(reach) {}
+
+  /// All simplices within reach of point p, in the order of the surface, and some others; valid
+  /// until the next call.
+  std::span<const std::int32_t> of(std::size_t p) {
+    if (p / block != block_) start_block(p / block);
+    const auto list = surface_.hash.near(x_[p]);
+    if (list.data() == list_) return near_;
+    list_ = list.data();
+    near_.clear();
+    for (const std::int32_t s : list) {
+      if (!surface_.bounds[s].is_beyond(middle_, limit_)) near_.push_back(s);
+    }
+    return near_;
+  }
+
+ private:
+  static constexpr std::size_t block = 8;
+
+  void start_block(std::size_t number) {
+    block_ = number;
+    list_ = nullptr;
+    Eigen::AlignedBox<double, dim> box;
+    const std::size_t end = std::min(x_.size(), (number + 1) * block);
+    for (std::size_t p = number * block; p < end; ++p) box.extend(x_[p]);
+    middle_ = box.center();
+    limit_ = (1 + rounding) * (reach_ + box.diagonal().norm() / 2);
+  }
+
+  const PlacedSurface<dim>& surface_;
+  std::span<const Vector<dim>> x_;
+  double reach_;
+  std::size_t block_ = std::numeric_limits<std::size_t>::max();
+  Vector<dim> middle_ = Vector<dim>::Zero();  // of the points of the block
+  double limit_ = 0;                          // from there to a simplex that is near one of them
+  const std::int32_t* list_ = nullptr;        // that near_ was made of
+  std::vector<std::int32_t> near_;
+};
+
 /// Part of a mark on a facet.
 struct FacetShare {
   std::size_t facet;
@@ -206,10 +251,11 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
   }
   const double farthest = reach + cube_side<dim>(widest);
   const PlacedSurface<dim> placed(surface, fields.vertices, farthest, points.x);
+  NearPoints<dim> near(placed, points.x, farthest);
   for (std::int32_t p = 0; p < points.size(); ++p) {
     const Vector<dim>& x = points.x[p];
     std::optional<ContactSphere<dim>> sphere;
-    for (const std::int32_t s : placed.hash.near(x)) {
+    for (const std::int32_t s : near.of(p)) {
       const SimplexBounds<dim>& bounds = placed.bounds[s];
       if (bounds.is_beyond(x, farthest)) continue;
       const auto corners = placed.corners(s);

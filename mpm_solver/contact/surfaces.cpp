@@ -58,6 +58,7 @@ Surfaces<dim>::Surfaces(MPI_Comm comm, const std::vector<ContactSettings<dim>>& 
   }
   touching_.assign(places_.size(), 0);
   dropped_.assign(places_.size(), 0);
+  displaced_.resize(places_.size());
 }
 
 template <int dim>
@@ -192,10 +193,9 @@ void Surfaces<dim>::receive(const InterfaceValues& displacements) {
   for (std::size_t k = 0; k < interfaces_.size(); ++k) {
     const auto found = displacements.find(interfaces_[k].name);
     if (found != displacements.end()) {
-      contact_of(k).set_displacement(found->second, member_of(k));
+      place(k, found->second);
     } else {
-      contact_of(k).set_displacement(
-          std::vector<double>(interfaces_[k].surface.vertices.size() * dim), member_of(k));
+      place(k, std::vector<double>(interfaces_[k].surface.vertices.size() * dim));
     }
   }
 }
@@ -206,15 +206,13 @@ void Surfaces<dim>::move_walls(double time) {
     const auto& wall = walls_[k];
     if (wall.is_boulder) continue;
     const std::size_t surface = interfaces_.size() + k;
-    contact_of(surface).set_displacement(
-        wall.motion.displacement(wall.boundary.surface.vertices, time), member_of(surface));
+    place(surface, wall.motion.displacement(wall.boundary.surface.vertices, time));
   }
 }
 
 template <int dim>
 void Surfaces<dim>::move_wall(std::size_t wall, std::span<const double> displacement) {
-  const std::size_t surface = interfaces_.size() + wall;
-  contact_of(surface).set_displacement(displacement, member_of(surface));
+  place(interfaces_.size() + wall, displacement);
 }
 
 template <int dim>
@@ -235,17 +233,6 @@ void Surfaces<dim>::refuse_misses(double largest) const {
                     settings(k).name),
         "contact");
   }
-}
-
-template <int dim>
-InterfaceValues Surfaces<dim>::forces_on_structure() const {
-  InterfaceValues forces;
-  for (std::size_t k = 0; k < interfaces_.size(); ++k) {
-    auto values = contact_of(k).forces_on_structure(member_of(k));
-    sum_over_ranks(comm_, std::span<double>(values));
-    forces[interfaces_[k].name] = std::move(values);
-  }
-  return forces;
 }
 
 template <int dim>
@@ -282,21 +269,6 @@ void Surfaces<dim>::report(StepReport& report) const {
   for (std::size_t k = 0; groups_ != nullptr && k < groups_->pairs.size(); ++k) {
     add("contact." + groups_->text_of(k) + ".", between_groups_->counts(k));
   }
-}
-
-template <int dim>
-std::vector<double> Surfaces<dim>::forces_on_walls() const {
-  std::vector<double> values;
-  for (std::size_t k = interfaces_.size(); k < size(); ++k) {
-    auto [force, moment] = contact_of(k).resultant(member_of(k));
-    typename Contact<dim>::Resultant at_place;
-    at_place.add(walls_[k - interfaces_.size()].moment_about, force);
-    moment -= at_place.moment;
-    values.insert(values.end(), force.data(), force.data() + force.size());
-    values.insert(values.end(), moment.data(), moment.data() + moment.size());
-  }
-  sum_over_ranks(comm_, std::span<double>(values));
-  return values;
 }
 
 template <int dim>

@@ -6,6 +6,7 @@
 #include "mpm_solver/contact/body_groups.hpp"
 #include "mpm_solver/contact/contact.hpp"
 #include "mpm_solver/contact/seams.hpp"
+#include "mpm_solver/points/pool.hpp"
 
 namespace gabion::mpm {
 
@@ -49,6 +50,9 @@ class Surfaces {
   bool may_touch_interface() const;
   /// Contact::mark_touched of all interfaces.
   void mark_touched(std::span<char> nodes) const;
+  /// Pools that press on the front of all surfaces from now on, besides the soil: on the first
+  /// rank.
+  void set_pools(const PoolLevels& pools) { pools_ = pools; }
   /// Give the interfaces their displacements, 0 to those that received none.
   void receive(const InterfaceValues& displacements);
   /// Move the rigid walls that are no boulders to where they are at a time [s].
@@ -107,6 +111,8 @@ class Surfaces {
     return *contacts_[places_[surface].contact];
   }
   std::size_t member_of(std::size_t surface) const { return places_[surface].member; }
+  void place(std::size_t surface, std::span<const double> displacement);
+  std::vector<double> pool_forces_on(std::size_t surface) const;
   void drop(std::size_t surface);
   void take_back(std::size_t surface);
   ContactCounts counts(std::size_t surface) const;
@@ -120,6 +126,8 @@ class Surfaces {
   GroupContact<dim>* between_groups_ = nullptr;  // the last one of contacts_, with groups_
   std::vector<std::int32_t> dropped_;            // of each surface: 1 if it was
   std::vector<char> touching_;                   // of each surface, in this step, on any rank
+  PoolLevels pools_;
+  std::vector<std::vector<double>> displaced_;  // with pools: of the vertices of each surface
   bool symmetric_ = true;
 };
 

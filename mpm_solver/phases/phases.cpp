@@ -162,10 +162,10 @@ KeyTable phase_keys() {
        key::number("dt", "s", "Largest step of the phase.").in(positive()).or_none(),
        analysis_key().or_computed("as in the run"),
        or_as_before(walls_key("All walls of this phase."), "as in the run"),
-       key::texts("rigid_walls",
-                  "Names of the rigid walls that act from this phase on; the others are dropped "
-                  "for good, as a gate is opened.")
-           .or_computed("those of the phase before, in the first phase all"),
+       or_as_before(key::texts("rigid_walls",
+                               "Names of the rigid walls that act from this phase on; the others "
+                               "are dropped for good, as a gate is opened."),
+                    "those of the phase before, in the first phase all"),
        or_as_before(scheme_key(), "as in the run"),
        or_as_before(
            gravity_ramp_key("A ramp from the start of this phase; it continues in later ones."),
@@ -186,7 +186,7 @@ void read_overrides(ConfigReader& in, int dim, Phase& phase) {
   phase.dynamic = in.choice_or("analysis", analysis_name(phase.dynamic)) == analysis_name(true);
   if (in.has("walls")) read_walls(in, dim, phase);
   phase.rigid_walls.reset();
-  if (in.has("rigid_walls")) phase.rigid_walls = in.texts_or("rigid_walls", {});
+  if (in.has("rigid_walls")) phase.rigid_walls = in.texts("rigid_walls");
   if (auto scheme = in.optional_object("time_integration")) {
     read_scheme(*scheme, phase);
   }

@@ -33,7 +33,8 @@ double first_lame_constant(const MaterialLaw<dim>& law) {
 }
 
 template <int dim>
-double normally_consolidated(ConfigReader& in, const Material<dim>& material, double elastic) {
+double normally_consolidated(ConfigReader& in, const Body<dim>& body, double elastic) {
+  const Material<dim>& material = body.material;
   if (!in.is_text("k0")) return in.number("k0");
   if (in.choice("k0") == "elastic") return elastic;
   const double angle = std::visit(
@@ -47,6 +48,10 @@ double normally_consolidated(ConfigReader& in, const Material<dim>& material, do
         }
       },
       material.law);
+  if (std::ranges::find(body.varying, "friction_angle") != body.varying.end()) {
+    in.fail("k0",
+            "found \"jaky\" with a friction_angle that varies, allowed: a number, or \"elastic\"");
+  }
   if (angle <= 0) {
     in.fail("k0",
             fmt::format("found \"jaky\" with the law {}, allowed: a law with a friction angle",
@@ -159,10 +164,10 @@ Geostatic<dim> skeleton_at_rest(const MaterialLaw<dim>& law, const InitialStress
 }
 
 template <int dim>
-Geostatic<dim> geostatic(const InitialStress& stress, const BodyAtRest<dim>& at_rest, double d) {
+Geostatic<dim> geostatic(const InitialStress& stress, const BodyAtRest<dim>& at_rest,
+                         const MaterialLaw<dim>& law, double d) {
   const Body<dim>& body = at_rest.body;
-  auto soil =
-      skeleton_at_rest<dim>(body.material.law, stress, load_on_skeleton(stress, at_rest, d));
+  auto soil = skeleton_at_rest<dim>(law, stress, load_on_skeleton(stress, at_rest, d));
   soil.density = body.material.density;
   if (!body.water) return soil;
   const PoreWater& water = *body.water;
@@ -199,7 +204,8 @@ KeyTable initial_stress_keys() {
            .in(at_least(1))
            .or_else(1),
        key::number("water_table", "m",
-                   "Height of the water table, level; at most `surface`. Below it the soil is "
+                   "Height of the water table, level; at most `surface`, or the level of "
+                   "`pools` over it. Below it the soil is "
                    "saturated, with hydrostatic pressure and K0 of the effective stress; above it "
                    "it is dry.")
            .or_none()
@@ -249,7 +255,7 @@ InitialStress read_initial_stress(ConfigReader in, const Body<dim>& body) {
   const double elastic = lambda / (lambda + 2 * mu);
   stress.where = in.where("k0");
   stress.where_surface = in.where("surface");
-  stress.k0 = normally_consolidated(in, material, elastic);
+  stress.k0 = normally_consolidated(in, body, elastic);
   stress.k0_consolidated = stress.k0;
   stress.ocr = in.number("ocr");
   stress.k0 = stress.ocr * stress.k0 - (stress.ocr - 1) * elastic;
@@ -264,16 +270,26 @@ InitialStress read_initial_stress(ConfigReader in, const Body<dim>& body) {
 // layer under layers of other densities is not its own.
 template <int dim>
 void take_water_table(const ConfigReader& in, const Mesh<dim>& mesh, const InitialStress& stress,
-                      Body<dim>& body) {
+                      const PoolLevels& pools, Body<dim>& body) {
   if (!stress.water_table) return;
   const double table = *stress.water_table;
   const auto box = box_around(mesh);
   const double top = box.max()[dim - 1], bottom = box.min()[dim - 1];
-  if (table > stress.surface && stress.surface <= top + 1e-9 * (top - bottom)) {
-    in.fail("water_table",
-            fmt::format("found {:g}, a pool over the surface of the body, {:g}; allowed: at most "
-                        "\"surface\"",
-                        table, stress.surface));
+  const double rounding = 1e-9 * (top - bottom);
+  if (table > stress.surface && stress.surface <= top + rounding) {
+    if (pools.empty()) {
+      in.fail("water_table",
+              fmt::format("found {:g}, a pool over the surface of the body, {:g}; allowed: at most "
+                          "\"surface\", or with \"pools\"",
+                          table, stress.surface));
+    }
+    for (const double x : {box.min()[0], box.max()[0]}) {
+      if (std::abs(pools.level(x) - table) <= rounding) continue;
+      in.fail("water_table",
+              fmt::format("found {:g}, above the surface of the body, where the pool at x = {:g} "
+                          "begins with the level {:g}, allowed: that level",
+                          table, x, pools.level(x)));
+    }
   }
   if (table <= bottom) {
     log::warn("{}: found {:g}, below all of the body, which begins at {:g}: it is dry",
@@ -292,6 +308,20 @@ bool bears(const MaterialLaw<dim>& law, const Geostatic<dim>& soil, StressUpdate
   return update<dim>(law, still, soil.state, now, nullptr);
 }
 
+// The same of a user material, whose memory then holds the stress.
+template <int dim>
+bool bears(const Umat<dim>& law, const Geostatic<dim>& soil, StateVariables& variables,
+           StressUpdate<dim>& now) {
+  Symmetric<dim> log_strain = Symmetric<dim>::Zero();
+  for (int i = 0; i < 3; ++i) log_strain[i] = hencky_strain(soil.state.e[i]);
+  StateVariables before;
+  law.set_start(soil.tau, log_strain, numbers_of(before));
+  const PointContext at_rest{.variables = numbers_of(before),
+                             .new_variables = numbers_of(variables)};
+  const Matrix<dim> still = Matrix<dim>::Zero();
+  return law.update(at_rest, still, soil.state, now, nullptr);
+}
+
 template <int dim>
 void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAtRest<dim>& at_rest,
                         MaterialPoints<dim>& points) {
@@ -305,19 +335,24 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
   for (std::int32_t p = points.body_starts[at_rest.number];
        p < points.body_starts[at_rest.number + 1]; ++p) {
     const double d = stress.surface - points.x[p][dim - 1];
-    const auto soil = geostatic<dim>(stress, at_rest, d);
+    const bool own = !at_rest.laws.empty() && at_rest.laws[p] != nullptr;
+    const MaterialLaw<dim>& law = own ? *at_rest.laws[p] : body.material.law;
+    const auto soil = geostatic<dim>(stress, at_rest, law, d);
     StressUpdate<dim> now;
-    const bool borne_by_law = d >= 0 && bears(body.material.law, soil, now) &&
-                              (now.tau - soil.tau).norm() <= same_stress * soil.tau.norm();
+    const auto* umat = std::get_if<Umat<dim>>(&law);
+    const bool has_stress =
+        d >= 0 && (umat ? bears(*umat, soil, points.variables[p], now) : bears(law, soil, now));
+    const bool borne_by_law =
+        has_stress && (now.tau - soil.tau).norm() <= same_stress * soil.tau.norm();
     if (!borne_by_law) {
       const std::string place =
           fmt::format("material point {} at ({:.4g})", points.id[p],
                       fmt::join(points.x[p].data(), points.x[p].data() + dim, ", "));
-      problem = d < 0 ? fmt::format("{}: found {}, but {} lies above it", stress.where_surface,
-                                    stress.surface, place)
-                      : fmt::format(
-                            "{}: found k0 = {:.6g}, under which {} would yield, allowed: {}",
-                            stress.where, stress.k0, place, borne<dim>(body.material.law, soil.s));
+      problem = d < 0
+                    ? fmt::format("{}: found {}, but {} lies above it", stress.where_surface,
+                                  stress.surface, place)
+                    : fmt::format("{}: found k0 = {:.6g}, under which {} would yield, allowed: {}",
+                                  stress.where, stress.k0, place, borne<dim>(law, soil.s));
       break;
     }
     points.V0[p] /= soil.J;
@@ -344,16 +379,16 @@ Vector<dim> initial_stress_at(const InitialStress& stress, const BodyAtRest<dim>
                               double height) {
   const double d = stress.surface - height;
   if (d <= 0) return Vector<dim>::Zero();
-  const auto soil = geostatic<dim>(stress, at_rest, d);
+  const auto soil = geostatic<dim>(stress, at_rest, at_rest.body.material.law, d);
   return soil.total_tau().template head<dim>() / soil.J;
 }
 
 template InitialStress read_initial_stress<2>(ConfigReader, const Body<2>&);
 template InitialStress read_initial_stress<3>(ConfigReader, const Body<3>&);
 template void take_water_table<2>(const ConfigReader&, const Mesh<2>&, const InitialStress&,
-                                  Body<2>&);
+                                  const PoolLevels&, Body<2>&);
 template void take_water_table<3>(const ConfigReader&, const Mesh<3>&, const InitialStress&,
-                                  Body<3>&);
+                                  const PoolLevels&, Body<3>&);
 template void set_initial_stress<2>(MPI_Comm, const InitialStress&, const BodyAtRest<2>&,
                                     MaterialPoints<2>&);
 template void set_initial_stress<3>(MPI_Comm, const InitialStress&, const BodyAtRest<3>&,

@@ -4,10 +4,12 @@
 #include <mpi.h>
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "common/settings/config_reader.hpp"
 #include "mpm_solver/points/material_points.hpp"
+#include "mpm_solver/points/pool.hpp"
 
 namespace gabion::mpm {
 
@@ -39,18 +41,21 @@ InitialStress read_initial_stress(ConfigReader in, const Body<dim>& body);
 KeyTable initial_stress_keys();
 
 /// Let a body with pore water know its water table; nothing for others.
-/// @param in  of the initial stress
-/// @throws ConfigError  the table lies above the surface of the body, as that of a pool
+/// @param in     of the initial stress
+/// @param pools  at the start
+/// @throws ConfigError  the table lies above the surface of the body, and there is no pool of that
+///                      level
 template <int dim>
 void take_water_table(const ConfigReader& in, const Mesh<dim>& mesh, const InitialStress& stress,
-                      Body<dim>& body);
+                      const PoolLevels& pools, Body<dim>& body);
 
 /// A body under gravity.
 template <int dim>
 struct BodyAtRest {
   const Body<dim>& body;
-  std::int32_t number = 0;                    ///< of the body
-  Vector<dim> gravity = Vector<dim>::Zero();  ///< downwards along the last axis [m/s^2]
+  std::int32_t number = 0;                             ///< of the body
+  Vector<dim> gravity = Vector<dim>::Zero();           ///< downwards along the last axis [m/s^2]
+  std::span<const MaterialLaw<dim>* const> laws = {};  ///< of the points, see StressParts::laws
 };
 
 /// Put the points of one body under geostatic stress. Their positions are those of the stressed
@@ -60,7 +65,8 @@ struct BodyAtRest {
 ///
 /// d the depth, C = (3 lambda + 2 mu) / (1 + 2 K0) and J = exp(-s / C): the exact solution of
 /// d sigma_v / dy = rho g / J, sigma = tau / J, for Hencky elasticity. The linear elastic law knows
-/// no change of volume: J = 1, s = rho g d. Elastic strains follow from Hooke's law.
+/// no change of volume: J = 1, s = rho g d. Elastic strains follow from Hooke's law. Where Young's
+/// modulus varies, C is that of the point: the stress is then in balance but for the strains.
 ///
 /// With pore water and its table at the depth d_w, w = <d - d_w> below it, this is the stress of
 /// the skeleton, and

@@ -211,6 +211,18 @@ void add_internal(MaterialPoints<dim>& points) {
   points.internal.assign(points.x.size(), InternalState::Zero());
 }
 
+template <int dim>
+void add_variables(const std::vector<Body<dim>>& bodies, MaterialPoints<dim>& points) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const auto* law = std::get_if<Umat<dim>>(&bodies[b].material.law);
+    if (law == nullptr) continue;
+    points.variables.resize(points.x.size(), StateVariables::Zero());
+    for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
+      law->set_start(numbers_of(points.variables[p]));
+    }
+  }
+}
+
 namespace {
 
 // Close the gaps that the given places leave; fields that the points do not have are empty.
@@ -293,6 +305,8 @@ template void add_water<3>(const std::vector<Body<3>>&, MaterialPoints<3>&);
 template void add_gradients<2>(MaterialPoints<2>&);
 template void add_gradients<3>(MaterialPoints<3>&);
 template void add_internal<2>(MaterialPoints<2>&);
+template void add_variables<2>(const std::vector<Body<2>>&, MaterialPoints<2>&);
+template void add_variables<3>(const std::vector<Body<3>>&, MaterialPoints<3>&);
 template void add_internal<3>(MaterialPoints<3>&);
 template std::int64_t num_points<2>(const PointLayout<2>&);
 template std::int64_t num_points<3>(const PointLayout<3>&);

@@ -26,8 +26,14 @@ struct Body {
   std::vector<std::string> varying{};
 };
 
-/// State variables of a law from a library (Umat), of which it may have so many.
-using StateVariables = Eigen::Matrix<double, 64, 1>;
+/// What a point remembers of a law from a library (Umat).
+using StateVariables = Eigen::Matrix<double, umat_state_size, 1>;
+inline std::span<double> numbers_of(StateVariables& variables) {
+  return {variables.data(), umat_state_size};
+}
+inline std::span<const double> numbers_of(const StateVariables& variables) {
+  return {variables.data(), umat_state_size};
+}
 
 /// Values of the parameters of a material that vary in space, at a point; unused ones are 0.
 using VaryingParameters = Eigen::Vector4d;
@@ -196,6 +202,11 @@ void add_gradients(MaterialPoints<dim>& points);
 /// Give the points the internal variables of laws, all zero.
 template <int dim>
 void add_internal(MaterialPoints<dim>& points);
+
+/// Give the points the state variables of a Umat, those of virgin soil; nothing where no body has
+/// one.
+template <int dim>
+void add_variables(const std::vector<Body<dim>>& bodies, MaterialPoints<dim>& points);
 
 /// Fill the pores of the points of bodies that have water, without pressure.
 /// @pre all bodies are laid, free of stress

@@ -38,9 +38,6 @@ bool doubles_nodes(const MpmSettings<dim>& settings) {
 
 template <int dim>
 std::string needs_one_rank(const MpmSettings<dim>& settings) {
-  const bool water_drains =
-      std::ranges::any_of(settings.bodies, [](const Body<dim>& body) { return drains(body); });
-  if (water_drains) return "pore water that drains";
   if (settings.body_groups.any()) return "bodies with nodes of their own";
   return doubles_nodes(settings) ? "a thin wall whose sides have nodes of their own" : "";
 }
@@ -57,6 +54,9 @@ RankAdvice advise_ranks(const MpmSettings<dim>& settings, int cores) {
   }
   const std::string& method = settings.linear_solver.method;
   if (method == "lu" || method == "mumps") return {1, "the linear solver " + method};
+  if (std::ranges::any_of(settings.bodies, drains<dim>)) {
+    return {1, "pore water that drains, whose matrix is factorised"};
+  }
   if (const std::string need = needs_one_rank(settings); !need.empty()) {
     return {1, need + " needs one rank"};
   }

@@ -57,6 +57,32 @@ std::vector<OutputField> internal_fields(const MaterialPoints<dim>& points,
   return fields;
 }
 
+// Constants that vary of the points of this rank, 0 in bodies where a constant of this name does
+// not vary.
+template <int dim>
+std::vector<OutputField> varying_fields(const MaterialPoints<dim>& points,
+                                        const std::vector<Body<dim>>& bodies) {
+  std::set<std::string> names;
+  for (const Body<dim>& body : bodies) names.insert(body.varying.begin(), body.varying.end());
+  std::vector<OutputField> fields;
+  for (const std::string& name : names) {
+    const auto make = [&points, &bodies, name] {
+      Values values(points.x.size(), 0.0);
+      for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
+        const auto& own = bodies[b].varying;
+        const auto column = std::find(own.begin(), own.end(), name) - own.begin();
+        if (column == std::ssize(own)) continue;
+        for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
+          values[p] = points.parameters[p][column];
+        }
+      }
+      return values;
+    };
+    fields.push_back({.name = name, .components = 1, .make = make});
+  }
+  return fields;
+}
+
 // Fields of the points of this rank, to which they refer.
 template <int dim>
 std::vector<OutputField> frame_fields(const MaterialPoints<dim>& points,
@@ -107,6 +133,7 @@ std::vector<OutputField> frame_fields(const MaterialPoints<dim>& points,
       field("volume", 1, of_each([&points](std::int32_t p) { return points.V0[p] * points.J[p]; })),
       field("body", 1, body)};
   for (OutputField& own : internal_fields(points, bodies)) fields.push_back(std::move(own));
+  for (OutputField& own : varying_fields(points, bodies)) fields.push_back(std::move(own));
   return fields;
 }
 

@@ -80,17 +80,20 @@ GhostStiffness<dim>::GhostStiffness(const BackgroundGrid<dim>& grid,
 template <int dim>
 void GhostStiffness<dim>::measure_cells(const CellOwners<dim>& owners,
                                         const MaterialPoints<dim>& points,
-                                        const PointWeights<dim>& weights) {
+                                        const PointWeights<dim>& weights,
+                                        std::span<const MaterialLaw<dim>* const> laws) {
   soil_.assign(grid_.num_cells(), {});
   const bool has_domains = grid_.basis == Basis::gimp;
   for (const CellGroup& group : weights.groups) {
+    double E = young_modulus_[group.body];
     const auto add = [&](std::int32_t cell, double volume) {
       CellSoil& soil = soil_.at(cell);
       soil.volume += volume;
-      soil.stiffness += young_modulus_[group.body] * volume;
+      soil.stiffness += E * volume;
     };
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
+      if (!laws.empty() && laws[p] != nullptr) E = young_modulus<dim>(*laws[p]);
       const double volume = points.V0[p] * points.J[p];
       if (!has_domains) {
         add(group.cell, volume);
@@ -151,10 +154,10 @@ void GhostStiffness<dim>::share_cells(const CellOwners<dim>& owners) {
 }
 
 template <int dim>
-std::vector<std::int32_t> GhostStiffness<dim>::find_facets(const CellOwners<dim>& owners,
-                                                           const MaterialPoints<dim>& points,
-                                                           const PointWeights<dim>& weights) {
-  measure_cells(owners, points, weights);
+std::vector<std::int32_t> GhostStiffness<dim>::find_facets(
+    const CellOwners<dim>& owners, const MaterialPoints<dim>& points,
+    const PointWeights<dim>& weights, std::span<const MaterialLaw<dim>* const> laws) {
+  measure_cells(owners, points, weights, laws);
   facets_.clear();
   std::vector<std::int32_t> nodes;
   const int own = rank_of(owners.comm);

@@ -40,11 +40,13 @@ class GhostStiffness {
 
   /// Find the facets of this step; a rank has those of the small cuts among its own cells. Cells
   /// with doubled nodes have none.
+  /// @param laws  of the points, see StressParts::laws
   /// @returns grid nodes of the facets of this rank, some of them several times
   /// @note Collective.
   std::vector<std::int32_t> find_facets(const CellOwners<dim>& owners,
                                         const MaterialPoints<dim>& points,
-                                        const PointWeights<dim>& weights);
+                                        const PointWeights<dim>& weights,
+                                        std::span<const MaterialLaw<dim>* const> laws = {});
   /// Evaluate their stiffness. @param nodes  with those of find_facets()
   void begin_step(const GridNodes<dim>& nodes);
   /// Facets with ghost stiffness on all ranks; 0: no cell needs it in this step.
@@ -61,7 +63,8 @@ class GhostStiffness {
     return volume > 0 && volume < small_cut_fill * cell_volume(grid_, cell);
   }
   void measure_cells(const CellOwners<dim>& owners, const MaterialPoints<dim>& points,
-                     const PointWeights<dim>& weights);
+                     const PointWeights<dim>& weights,
+                     std::span<const MaterialLaw<dim>* const> laws);
   void share_cells(const CellOwners<dim>& owners);
   struct CellSoil {
     double volume = 0;

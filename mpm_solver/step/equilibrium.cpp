@@ -42,7 +42,8 @@ Equilibrium<dim>::Equilibrium(const Parts& parts)
                  .nodes = parts.nodes,
                  .trial = parts.trial,
                  .context = &context_,
-                 .held_normal = parts.walls.held_normal()},
+                 .held_normal = parts.walls.held_normal(),
+                 .laws = parts.laws},
                 parts.cell_size, parts.same_strain, parts.average_volumes, parts.repeats),
       m_(parts.nodes.m) {
   const auto& nodes = parts_.nodes;
@@ -291,8 +292,10 @@ std::string Equilibrium<dim>::describe_worst_point(std::span<const double> du) c
     parts_.nodes.gather(weights.nodes_of(*group), du, of_group.data());
     const std::int32_t p = weights.point[worst.entry];
     StressUpdate<dim> stress;
+    const bool own_law = !parts_.laws.empty() && parts_.laws[p] != nullptr;
     const bool admissible =
-        update(LawInStep<MaterialLaw<dim>, dim>{parts_.bodies[group->body].material.law,
+        update(LawInStep<MaterialLaw<dim>, dim>{own_law ? *parts_.laws[p]
+                                                        : parts_.bodies[group->body].material.law,
                                                 context_.of_point(parts_.points, p)},
                displacement_gradient(weights, worst.entry, of_group.data()),
                parts_.points.history[p], stress, static_cast<Tangent<dim>*>(nullptr));

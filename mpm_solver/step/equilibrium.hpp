@@ -53,8 +53,9 @@ class Equilibrium final : public NewtonProblem<dim> {
     /// Forces of pore water that drains on the skeleton [N], num_nodes x dim; empty: none. It may
     /// change between evaluations.
     std::span<const double> f_pore = {};
-    bool average_volumes = false;                ///< F-bar, see AveragedForces
-    const GhostStiffness<dim>* ghost = nullptr;  ///< null: none
+    bool average_volumes = false;                        ///< F-bar, see AveragedForces
+    const GhostStiffness<dim>* ghost = nullptr;          ///< null: none
+    std::span<const MaterialLaw<dim>* const> laws = {};  ///< StressParts::laws
   };
   explicit Equilibrium(const Parts& parts);
 

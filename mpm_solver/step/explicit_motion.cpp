@@ -115,7 +115,12 @@ void ExplicitMotion<dim>::begin_path(int count) {
   std::vector<Symmetric<dim>> room;
   const auto tau = skeleton_stresses<dim>(parts_.stress.bodies, points, room);
   tau_.assign(tau.begin(), tau.end());
-  if (count > 1) path_ = {.history = points.history, .internal = points.internal};
+  if (count > 1) {
+    path_ = {.history = points.history,
+             .internal = points.internal,
+             .variables = points.variables,
+             .F = std::vector<Matrix<dim>>(points.variables.size(), Matrix<dim>::Identity())};
+  }
   internal_.forget();
 }
 

@@ -9,6 +9,7 @@
 
 #include "mpm_solver/grid/sparse_list.hpp"
 #include "mpm_solver/small_cuts/ghost_stiffness.hpp"
+#include "mpm_solver/step/seen_points.hpp"
 
 namespace gabion::mpm {
 
@@ -20,6 +21,8 @@ namespace {
 constexpr double reach_of_points = 1.1;
 // Sides of a point within which others tell where the soil is.
 constexpr double reach_of_normals = 2;
+// Sides of the largest point within which any point matters to another.
+constexpr double reach_of_sight = std::max(reach_of_normals, 2 * reach_of_points);
 // Points straight beside a normal of 45 degrees lie on the cone.
 constexpr double rounding = 1e-6;
 
@@ -31,6 +34,8 @@ class Search {
   explicit Search(const SurroundingsOfSoil<dim>& parts)
       : parts_(parts),
         box_(*parts.grid.box),
+        seen_(see_points<dim>(
+            {.comm = parts.comm, .box = box_, .points = parts.points, .reach = reach_of_sight})),
         first_(box_.num_cells_total(), -1),
         fill_(box_.num_cells_total(), 0.0),
         walled_(box_.num_nodes_total(), 0) {
@@ -52,16 +57,14 @@ class Search {
  private:
   // The points of each cell, ascending, and the share of it that they fill.
   void list_points() {
-    const auto& points = parts_.points;
-    next_.resize(points.size());
-    sides_.resize(points.size());
-    for (std::int32_t p = points.size(); p-- > 0;) {
-      next_[p] = std::exchange(first_.at(points.cell[p]), p);
+    next_.resize(seen_.x.size());
+    for (std::size_t p = seen_.x.size(); p-- > 0;) {
+      next_[p] = std::exchange(first_.at(seen_.cell[p]), static_cast<std::int32_t>(p));
     }
-    for (std::int32_t p = 0; p < points.size(); ++p) {
-      fill_.at(points.cell[p]) += volume(p);
-      sides_[p] = std::pow(volume(p), 1.0 / dim);
-      largest_side_ = std::max(largest_side_, sides_[p]);
+    for (std::size_t p = 0; p < seen_.x.size(); ++p) {
+      fill_.at(seen_.cell[p]) += seen_.volume[p];
+      sides_.push_back(std::pow(seen_.volume[p], 1.0 / dim));
+      largest_side_ = std::max(largest_side_, sides_.back());
     }
   }
 
@@ -91,9 +94,7 @@ class Search {
   }
 
   // Volume over that of a cell.
-  double volume(std::int32_t p) const {
-    return parts_.points.V0[p] * parts_.points.J[p] / box_.spacing.prod();
-  }
+  double volume(std::int32_t p) const { return seen_.volume[p]; }
   // Side of a cube of that volume, by the spacing of the grid.
   double side(std::int32_t p) const { return sides_[p]; }
 
@@ -113,7 +114,7 @@ class Search {
       std::int32_t cell = 0;
       for (int d = dim; d-- > 0;) cell = cell * box_.num_cells[d] + at[d];
       for (std::int32_t q = first_[cell]; q >= 0; q = next_[q]) {
-        const Vector<dim> place = box_.lattice_position(parts_.points.x[q]);
+        const Vector<dim> place = box_.lattice_position(seen_.x[q]);
         for (int image = 0; image < (images ? 1 << dim : 1); ++image) {
           const auto mirrored = mirror(place, at, t, image);
           if (mirrored && (*mirrored - t).norm() <= reach) act(q, Vector<dim>(*mirrored - t));
@@ -221,6 +222,7 @@ class Search {
 
   const SurroundingsOfSoil<dim>& parts_;
   const BoxGrid<dim>& box_;
+  SeenPoints<dim> seen_;            // those of this rank have their own numbers
   SparseList<std::int32_t> first_;  // point of each cell, -1: none
   SparseList<double> fill_;         // of each cell, share of its volume
   SparseList<int> walled_;          // of each node, see list_walls

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mpi.h>
+
 #include <span>
 #include <vector>
 
@@ -14,8 +16,9 @@ namespace gabion::mpm {
 /// What soil may end at. Refers to all of it.
 template <int dim>
 struct SurroundingsOfSoil {
-  const BackgroundGrid<dim>& grid;  ///< a box
-  const MaterialPoints<dim>& points;
+  MPI_Comm comm;
+  const BackgroundGrid<dim>& grid;             ///< a box
+  const MaterialPoints<dim>& points;           ///< of this rank
   const std::vector<WallSettings>& walls;      ///< of the phase
   const FacetSights<dim>* surfaces = nullptr;  ///< those that act; null: none does
 };
@@ -29,7 +32,10 @@ struct SurroundingsOfSoil {
 ///
 /// Only cells that are small cuts, or beside such a cell or a side of the grid that no wall holds,
 /// are looked at. n points away from the mean of the points around, and of their images in walls.
-/// @pre all points are in the grid, of this rank
+/// Points of other ranks are looked at where they are near enough.
+/// @pre  all points are in the grid
+/// @returns those of this rank
+/// @note Collective.
 template <int dim>
 std::vector<OuterPoint<dim>> find_free_surface(const SurroundingsOfSoil<dim>& parts,
                                                std::span<const std::int32_t> bodies);

@@ -55,6 +55,7 @@ void ImplicitStep<dim>::reduce_strength() {
     auto law = with_reduced_strength<dim>(body.material.law, start_.strength_factor);
     if (law) body.material.law = *std::move(law);
   }
+  weaker_laws_ = parts_.soil.laws().reduced(start_.strength_factor);
 }
 
 template <int dim>
@@ -85,7 +86,8 @@ void ImplicitStep<dim>::make_equilibrium(const Gravity& gravity) {
       .f_body_start = f_body_start_,
       .f_pore = f_pore_,
       .average_volumes = model.settings.locking.average_volumes,
-      .ghost = parts_.soil.ghost()});
+      .ghost = parts_.soil.ghost(),
+      .laws = (weaker_.empty() ? parts_.soil.laws() : weaker_laws_).of_points()});
   system_.begin(*equilibrium_, regime(), state.pause);
 }
 

@@ -44,17 +44,19 @@ double deepest_row_to_reach(const MpmSettings<dim>& settings) {
 // touches walls and floor at once finds no first balance.
 template <int dim>
 SoilAtRest<dim> soil_at_rest(const MpmSettings<dim>& settings, const Vector<dim>& gravity,
-                             const std::vector<std::int64_t>& first_ids) {
+                             const PoolLevels& pools, const std::vector<std::int64_t>& first_ids) {
   SoilAtRest<dim> rest;
   for (const auto& stress : settings.initial_stress) rest.is_stressed.push_back(stress ? 1 : 0);
   rest.sides = [&](std::int32_t body, std::int64_t id) {
     return laid_sides<dim>(settings.layouts[body], id - first_ids[body],
                            !settings.initial_stress[body]);
   };
-  rest.stress = [&settings, gravity](std::int32_t body, const Vector<dim>& x) {
-    return initial_stress_at<dim>(
+  rest.stress = [&settings, gravity, pools](std::int32_t body, const Vector<dim>& x) {
+    Vector<dim> stress = initial_stress_at<dim>(
         *settings.initial_stress[body],
         {.body = settings.bodies[body], .number = body, .gravity = gravity}, x[dim - 1]);
+    if (!stress.isZero(0)) stress.array() += pools.pressure<dim>(x);  // which pools bear
+    return stress;
   };
   return rest;
 }
@@ -81,9 +83,11 @@ void SoilStep<dim>::begin_at_rest(const Vector<dim>& gravity, double deepest_row
   map_soil();
   if (state_.surfaces.contacts().empty()) return;
   begin_surfaces();
+  const PoolLevels pools = pools_at(0);
+  state_.surfaces.set_pools(pools);
   state_.surfaces.receive({});
   state_.surfaces.move_walls(0);
-  auto rest = soil_at_rest<dim>(model_.settings, gravity, state_.points.body_ids);
+  auto rest = soil_at_rest<dim>(model_.settings, gravity, pools, state_.points.body_ids);
   rest.deepest_row = deepest_row;
   state_.surfaces.begin_at_rest(rest);
   state_.ledger.set_contact_energy(state_.surfaces.energy());
@@ -112,7 +116,7 @@ void SoilStep<dim>::check_initial_stress() {
   begin_at_rest(gravity, std::numeric_limits<double>::infinity());
   begin_surfaces();
   const std::vector<double> du = implicit_->settlement(start_, gravity, strictest->where);
-  state_.wall_forces = forces_on_walls(*implicit_);
+  state_.wall_forces = forces_on_walls(*implicit_, 0);
   state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
   const double largest = max_over_ranks(
       model_.comm,

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "common/base/require.hpp"
-#include "common/mechanics/norm.hpp"
 
 namespace gabion::mpm {
 
@@ -59,8 +58,10 @@ Evaluation SeepageBalance<dim>::evaluate(std::span<const double> x, std::span<do
   if (K) K->set_zero();
   if (!water_.evaluate({.du = du, .q = q_}, K, worst)) {
     result.admissible = false;
-    result.reason =
-        fmt::format("{} {}", equilibrium_.describe_point(worst.point), refusal_text(worst.refusal));
+    result.reason = shared().first_text(
+        worst.point < 0 ? ""
+                        : fmt::format("{} {}", equilibrium_.describe_point(worst.point),
+                                      refusal_text(worst.refusal)));
     return result;
   }
   r_u_.resize(du.size());
@@ -71,10 +72,11 @@ Evaluation SeepageBalance<dim>::evaluate(std::span<const double> x, std::span<do
   outflow_ = 0;
   for (std::size_t i = 0; i < q_.size(); ++i) {
     const double missing = water_.volumes()[i];
-    if (held_[i] == 2) outflow_ -= missing;
+    if (held_[i] == 2 && shared().owns(static_cast<std::int32_t>(i))) outflow_ -= missing;
     r[i * block_size + dim] = held_[i] != 0 ? 0 : scale_ * missing;
   }
-  result.residual_norm = norm_of(std::span<const double>(r.data(), r.size()));
+  outflow_ = shared().total(outflow_);
+  result.residual_norm = shared().norm(r);
   result.force_scale = std::max(result.force_scale, scale_ * water_.volume_scale());
   if (!std::isfinite(*result.residual_norm)) {
     result.admissible = false;
@@ -125,7 +127,7 @@ void SeepageBalance<dim>::constrain(BlockMatrix<block_size>& K) const {
   for (std::size_t i = 0; i < held_.size(); ++i) {
     if (held_[i] != 0) add(static_cast<std::int32_t>(i))(dim, dim) = 0;
   }
-  K.constrain(nodes, of_node, [](std::int32_t) { return true; });
+  K.constrain(nodes, of_node, [this](std::int32_t i) { return shared().owns(i); });
 }
 
 template class SeepageBalance<2>;

@@ -18,7 +18,7 @@ struct DrainedNodes {
 /// Balance of momentum and of water of the active nodes at the end of a step. Unknowns and rows of
 /// a node: its displacement, and psi = (q - q_start) h / M; forces, and volumes of water times
 /// M / h, with the cell size h and the modulus M of P waves. So unknowns are lengths and rows
-/// forces. Refers to its parts; valid for one step of one rank.
+/// forces. Refers to its parts; valid for one step.
 template <int dim>
 class SeepageBalance final : public NewtonProblem<dim + 1> {
  public:
@@ -28,6 +28,7 @@ class SeepageBalance final : public NewtonProblem<dim + 1> {
   SeepageBalance(Equilibrium<dim>& equilibrium, SeepageForces<dim>& water, BlockMatrix<dim>& K_uu,
                  const DrainedNodes& drained);
 
+  const SharedNodes& shared() const override { return equilibrium_.shared(); }
   Evaluation evaluate(std::span<const double> x, std::span<double> r,
                       BlockMatrix<block_size>* K) override;
   bool regularise(double share) override { return equilibrium_.regularise(share); }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "mpm_solver/checks/pools.hpp"
 #include "mpm_solver/checks/seepage.hpp"
 #include "mpm_solver/contact/start_check.hpp"
 #include "mpm_solver/step/free_surface.hpp"
@@ -50,19 +51,22 @@ StressParts<dim> SeepageStep<dim>::stress_parts() const {
           .points = this->parts_.state.points,
           .weights = this->parts_.soil.weights(),
           .nodes = this->parts_.soil.nodes(),
-          .trial = this->parts_.trial};
+          .trial = this->parts_.trial,
+          .laws = this->parts_.soil.laws().of_points()};
 }
 
 template <int dim>
-void SeepageStep<dim>::make_water(const StepStart& start, const Vector<dim>& gravity) {
+void SeepageStep<dim>::make_water(const StepStart& start, double time, const Vector<dim>& gravity) {
   const auto& model = this->parts_.model;
+  pools_ = pool_levels<dim>(model.settings, time, gravity);
   water_.emplace(stress_parts(),
                  SeepageStepData<dim>{
                      .gravity = gravity,
                      .dt = start.dt,
                      .cell_size = model.cell_size,
                      .inertia_slope = start.with_inertia ? start.scheme.inertia_slope(start.dt) : 0,
-                     .averages = model.settings.locking.average_volumes});
+                     .averages = model.settings.locking.average_volumes,
+                     .pools = pools_});
   this->f_pore_ = water_->forces();
 }
 
@@ -71,7 +75,8 @@ void SeepageStep<dim>::begin(const StepStart& start) {
   const auto& model = this->parts_.model;
   balance_.reset();
   const LoadRamp& ramp = model.settings.phases[start.phase].gravity_ramp;
-  make_water(start, ramp.at(start.time + start.dt) * model.settings.gravity);
+  const double end = start.time + start.dt;
+  make_water(start, end, ramp.at(end) * model.settings.gravity);
   ImplicitStep<dim>::begin(start);
   open_surface();
   Equilibrium<dim>& equilibrium = *this->equilibrium_;
@@ -94,6 +99,7 @@ void SeepageStep<dim>::open_surface() {
   const auto& model = this->parts_.model;
   const bool meets_surfaces = sights_ && sights_->follow(this->parts_.state.surfaces);
   const SurroundingsOfSoil<dim> surroundings{
+      .comm = model.comm,
       .grid = model.grid,
       .points = this->parts_.state.points,
       .walls = model.settings.phases[this->start_.phase].walls,
@@ -102,7 +108,7 @@ void SeepageStep<dim>::open_surface() {
   water_->open(model.grid, surface);
 }
 
-// The water beyond the walls is at rest, below the table of the soil.
+// The water beyond the walls is at rest, below the level of pools, or else the table of the soil.
 template <int dim>
 DrainedNodes SeepageStep<dim>::drained_nodes() const {
   const auto& model = this->parts_.model;
@@ -118,8 +124,9 @@ DrainedNodes SeepageStep<dim>::drained_nodes() const {
     const std::int32_t i = nodes.active[node];
     if (i < 0) return;
     const Vector<dim>& x = nodes.x[i];
-    q[i] = share * soil->water->hydrostatic(x[dim - 1]) -
-           water_->at_rest(static_cast<std::int32_t>(soil - bodies.begin()), x);
+    const double beyond =
+        pools_.empty() ? share * soil->water->hydrostatic(x[dim - 1]) : pools_.pressure<dim>(x);
+    q[i] = beyond - water_->at_rest(static_cast<std::int32_t>(soil - bodies.begin()), x);
   };
   for (const WallSettings& wall : phase.walls) {
     if (!wall.drained) continue;
@@ -177,7 +184,17 @@ StepEnd<dim> SeepageStep<dim>::end() {
   balance_->evaluate(x_, r, nullptr);
   StepEnd<dim> end = ImplicitStep<dim>::end();
   end.plastic_work += water_->finish(this->du_) + water_->weight_work();
-  end.balance.body_work += water_->weight_work();
+  const SharedNodes& shared = balance_->shared();
+  end.balance.body_work += shared.total(water_->weight_work());
+  if (pools_.empty()) return end;
+  // Pools are no part of what the trapezoidal rule of the ledger is for.
+  const double work = shared.total(water_->pool_work(this->du_));
+  end.balance.boundary_work += work + shared.total(water_->inflow_work());
+  end.balance.time_damping += 0.5 * work;
+  end.plastic_work += water_->inflow_work();
+  Vector<dim> force = water_->pool_force();
+  shared.total({force.data(), dim});
+  end.balance.boundary_force += force;
   return end;
 }
 
@@ -205,7 +222,7 @@ void SeepageStep<dim>::release() {
 template <int dim>
 std::vector<double> SeepageStep<dim>::settlement(const StepStart& start, const Vector<dim>& gravity,
                                                  const std::string& where) {
-  make_water(start, gravity);
+  make_water(start, start.time, gravity);
   water_->find_start_forces();
   return ImplicitStep<dim>::settlement(start, gravity, where);
 }

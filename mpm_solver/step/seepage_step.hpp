@@ -12,7 +12,7 @@
 namespace gabion::mpm {
 
 /// Implicit steps of soil whose pore water drains: displacements and pressures of the nodes are
-/// solved for together. One rank.
+/// solved for together.
 template <int dim>
 class SeepageStep final : public ImplicitStep<dim> {
  public:
@@ -29,7 +29,7 @@ class SeepageStep final : public ImplicitStep<dim> {
 
  private:
   NewtonReport iterate(bool first, const NewtonSettings& settings) override;
-  void make_water(const StepStart& start, const Vector<dim>& gravity);
+  void make_water(const StepStart& start, double time, const Vector<dim>& gravity);
   std::vector<double> first_displacement();
   DrainedNodes drained_nodes() const;
   void open_surface();
@@ -42,6 +42,7 @@ class SeepageStep final : public ImplicitStep<dim> {
   std::optional<SeepageBalance<dim>> balance_;
   std::optional<BlockMatrix<dim + 1>> K_;
   LinearSolver<dim + 1> solver_;
+  PoolLevels pools_;       // at the end of the step
   std::vector<double> x_;  // of the balance
 };
 

@@ -58,8 +58,10 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
     wave_speed = std::max(wave_speed, wave_speeds.back());
     symmetric_laws &=
         std::visit([](const auto& law) { return law.symmetric_tangent(); }, material.law);
+    if (b < settings.varying.size() && settings.varying[b]) {
+      symmetric_laws &= settings.varying[b]->symmetric();
+    }
   }
-  if (drains) require_one_rank_for_seepage(num_ranks(comm), settings.bodies_where);
   require_one_rank_for_groups(num_ranks(comm), settings.body_groups);
   stressed = std::any_of(settings.initial_stress.begin(), settings.initial_stress.end(),
                          [](const auto& stress) { return stress.has_value(); });

@@ -68,6 +68,7 @@ SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& s
       points_(state.points),
       ranks_(state.ranks),
       times_(times),
+      laws_(model.settings.varying),
       surfaces_(state.surfaces) {
   const MpmSettings<dim>& settings = model_.settings;
   std::set<std::string> said;
@@ -97,6 +98,7 @@ SoilOnGrid<dim>::SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& s
 
 template <int dim>
 void SoilOnGrid<dim>::weigh() {
+  laws_.follow(points_);
   std::optional<SoilBorder<dim>> border;
   if (model_.grid.splits_border) {
     border.emplace(ranks_.owners(), cells_with_points(model_.grid, points_));
@@ -146,7 +148,7 @@ void SoilOnGrid<dim>::map(Mapping mapping) {
     split_sides();
     ghost_acts_ = wants_ghost(mapping.phase);
     if (ghost_acts_) {
-      const auto nodes = ghost_->find_facets(ranks_.owners(), points_, weights_);
+      const auto nodes = ghost_->find_facets(ranks_.owners(), points_, weights_, laws_.of_points());
       mapping.other_nodes.insert(mapping.other_nodes.end(), nodes.begin(), nodes.end());
     }
     activate_nodes(model_.comm, model_.grid, weights_, std::span(mapping.other_nodes), nodes_);

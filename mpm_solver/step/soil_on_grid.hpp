@@ -8,6 +8,7 @@
 
 #include "common/base/timer.hpp"
 #include "mpm_solver/contact/side_fields.hpp"
+#include "mpm_solver/parameters/point_laws.hpp"
 #include "mpm_solver/small_cuts/ghost_stiffness.hpp"
 #include "mpm_solver/small_cuts/weak_nodes.hpp"
 #include "mpm_solver/step/soil_state.hpp"
@@ -31,7 +32,7 @@ class SoilOnGrid {
  public:
   SoilOnGrid(const SoilModel<dim>& model, const SoilState<dim>& state, PhaseTimes& times);
 
-  /// Evaluate the basis at the points.
+  /// Evaluate the basis at the points, and find their laws.
   void weigh();
   /// Weigh the points, map their mass and motion to the nodes, and let the walls stop them.
   struct Mapping {
@@ -51,6 +52,8 @@ class SoilOnGrid {
 
   const PointWeights<dim>& weights() const { return weights_; }
   const GridNodes<dim>& nodes() const { return nodes_; }
+  /// Laws of the points whose constants vary.
+  const PointLaws<dim>& laws() const { return laws_; }
   WallConditions<dim>& walls(std::size_t phase) { return walls_of_phases_[phase]; }
   /// What the walls did to the velocities of the points, which have not got it yet.
   const InelasticProjection<dim>& stop() const { return stop_; }
@@ -84,6 +87,7 @@ class SoilOnGrid {
   PhaseTimes& times_;
   std::vector<WallConditions<dim>> walls_of_phases_;
   PointWeights<dim> weights_;
+  PointLaws<dim> laws_;
   GridNodes<dim> nodes_;
   InelasticProjection<dim> stop_;
   std::optional<CellQuadrature<dim>> quadrature_;  // none: stresses are summed over points

@@ -12,6 +12,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "mpm_solver/boulders/soil_inside.hpp"
+#include "mpm_solver/checks/varying_values.hpp"
 #include "mpm_solver/points/flat.hpp"
 
 namespace gabion::mpm {
@@ -37,19 +38,26 @@ MaterialPoints<dim> lay_all_points(const SoilModel<dim>& model) {
   add_water<dim>(settings.bodies, points);
   if (settings.tpic) add_gradients(points);
   if (model.remembers_internal) add_internal(points);
+  add_variables<dim>(settings.bodies, points);
+  add_parameters<dim>(settings.varying, points);
+  PointLaws<dim> laws(settings.varying);
+  if (model.stressed) laws.follow(points);
   const Phase& phase = settings.phases.front();
   const Vector<dim> gravity = phase.gravity_ramp.at(0) * settings.gravity;
   // Free of stress, so gravity is the acceleration at the start; the walls take their part of it.
   if (phase.dynamic) std::fill(points.a.begin(), points.a.end(), gravity);
   for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
     if (!settings.initial_stress[b]) continue;
-    set_initial_stress<dim>(
-        model.comm, *settings.initial_stress[b],
-        {.body = settings.bodies[b], .number = static_cast<std::int32_t>(b), .gravity = gravity},
-        points);
+    set_initial_stress<dim>(model.comm, *settings.initial_stress[b],
+                            {.body = settings.bodies[b],
+                             .number = static_cast<std::int32_t>(b),
+                             .gravity = gravity,
+                             .laws = laws.of_points()},
+                            points);
   }
   log::info("{} material points in {} {}", total, settings.bodies.size(),
             settings.bodies.size() == 1 ? "body" : "bodies");
+  log_varying(settings, points, model.comm);
   return points;
 }
 
@@ -190,6 +198,8 @@ SoilState<dim>::SoilState(const SoilModel<dim>& model)
   if (model.settings.body_groups.any()) {
     surfaces.add_groups(model.settings.body_groups, model.grid.num_nodes_total());
   }
+  has_water = std::ranges::any_of(model.settings.bodies,
+                                  [](const Body<dim>& body) { return body.water.has_value(); });
   locate_points(model, points);
   remove_soil_inside(model.comm, model.settings.boulders, model.settings.rigid_walls, points);
   ranks.divide(points, surfaces);
@@ -283,7 +293,7 @@ void SoilState<dim>::visit(StateVisitor& visitor) {
   visitor.real("soil_end", soil_end);
   visitor.integer("removed_points", removed_points);
   visitor.reals("removed_masses", removed_masses);
-  if (!points.water.empty()) visitor.real("water_out", water_out);
+  if (has_water) visitor.real("water_out", water_out);
   visitor.flag("nearly_linear", nearly_linear);
   visitor.real("contact_rate", contact_rate);
   pause.visit_state(visitor);
@@ -316,6 +326,19 @@ void SoilState<dim>::take(StateVisitor& visitor, const SoilModel<dim>& model) {
             "variables",
             points.internal.size(), points.id.size(),
             model.remembers_internal ? "with" : "without");
+    const bool any_varies = std::ranges::any_of(
+        model.settings.varying, [](const auto& material) { return material != nullptr; });
+    require(points.parameters.size() == (any_varies ? points.id.size() : 0),
+            "saved state: points.parameters: found {} values for {} points and bodies {} constants "
+            "that vary",
+            points.parameters.size(), points.id.size(), any_varies ? "with" : "without");
+    const bool any_umat = std::ranges::any_of(model.settings.bodies, [](const auto& body) {
+      return std::holds_alternative<Umat<dim>>(body.material.law);
+    });
+    require(
+        points.variables.size() == (any_umat ? points.id.size() : 0),
+        "saved state: points.variables: found {} values for {} points and bodies {} the law umat",
+        points.variables.size(), points.id.size(), any_umat ? "with" : "without");
     require_below<std::int64_t>("probe_ids", 0, probe_ids, points.body_ids.back());
     order_points(0, points);
     require(std::ranges::adjacent_find(points.id) == points.id.end(),

@@ -62,6 +62,7 @@ struct SoilState {
   double soil_end = std::numeric_limits<double>::infinity();  ///< when the last point left [s]
   std::int64_t removed_points = 0;                            ///< of all ranks
   std::vector<double> removed_masses;  ///< through SoilModel::exit_sides [kg]
+  bool has_water = false;              ///< a body has pore water, on whichever rank
   double water_out = 0;        ///< volume, free of pressure, of the pore water that left [m^3]
   bool nearly_linear = false;  ///< the last step's first solution took one Newton iteration at most
   double contact_rate = 0;     ///< of the last explicit step, see StableStep [1/s^2]

@@ -9,7 +9,9 @@
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/checks/pools.hpp"
 #include "mpm_solver/checks/seepage.hpp"
+#include "mpm_solver/contact/pool_forces.hpp"
 #include "mpm_solver/grid/noise_damping.hpp"
 #include "mpm_solver/grid/point_domains.hpp"
 #include "mpm_solver/step/seepage_step.hpp"
@@ -155,31 +157,6 @@ void SoilStep<dim>::map_soil() {
              .other_nodes = std::move(other_nodes)});
 }
 
-// All water that drains has one density.
-template <int dim>
-Vector<dim> SoilStep<dim>::water_weight() const {
-  const auto& bodies = model_.settings.bodies;
-  const auto body = std::ranges::find_if(bodies, drains<dim>);
-  if (body == bodies.end()) return Vector<dim>::Zero();
-  const double share = phase().gravity_ramp.at(start_.time);
-  return share * body->water->density * model_.settings.gravity;
-}
-
-// Points whose water does not drain have none to carry on to a surface: minus infinity, so that no
-// weight of water raises it above 0 there.
-template <int dim>
-void SoilStep<dim>::find_pore_pressures() {
-  const MaterialPoints<dim>& points = state_.points;
-  pore_pressures_.assign(points.size(), -std::numeric_limits<double>::infinity());
-  for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
-    const Body<dim>& body = model_.settings.bodies[b];
-    if (!drains(body)) continue;
-    for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
-      pore_pressures_[p] = body.water->at(points.water[p], points.J[p]).p;
-    }
-  }
-}
-
 template <int dim>
 void SoilStep<dim>::begin_surfaces() {
   if (state_.surfaces.contacts().empty()) return;
@@ -200,8 +177,10 @@ StepReport SoilStep<dim>::solve(const StepRequest& request, const InterfaceValue
 
 template <int dim>
 StepReport SoilStep<dim>::solve_once(const StepRequest& request, const InterfaceValues& received) {
+  const double end = request.time + request.dt;
+  if (!model_.settings.pools.empty()) state_.surfaces.set_pools(pools_at(end));
   state_.surfaces.receive(received);
-  state_.surfaces.move_walls(request.time + request.dt);
+  state_.surfaces.move_walls(end);
   StepReport report =
       state_.boulders.empty() ? solve_soil(request) : solve_with_boulders(request, received);
   state_.surfaces.report(report);
@@ -255,7 +234,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   if (state_.is_empty()) return accept_without_soil(time);
   const ScopedTimer timer(times_, "grid to points");
   MaterialPoints<dim>& points = state_.points;
-  state_.wall_forces = forces_on_walls(*method_);
+  state_.wall_forces = forces_on_walls(*method_, time);
   state_.rigid_wall_forces = state_.surfaces.forces_on_walls();
   state_.boulders.add_forces(state_.rigid_wall_forces);
   StepEnd<dim> end = method_->end();
@@ -269,7 +248,8 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   const std::vector<std::int32_t> cell_n = points.cell;
   const auto outside = find_cells(model_.grid, points);
   if (model_.settings.locking.average_volumes) {
-    end.balance.sharing_loss = share_volumes(state_.ranks.owners(), model_.settings.bodies, points);
+    end.balance.sharing_loss = share_volumes(state_.ranks.owners(), model_.settings.bodies, points,
+                                             soil_.laws().of_points());
   }
   state_.gauges.add_step(x_n, points, start_.dt);
   state_.ledger.add_step(end.balance, start_.scheme, start_.dt, end.plastic_work, points);
@@ -355,11 +335,18 @@ StepMeasures SoilStep<dim>::measure(const StepEnd<dim>& end) const {
 }
 
 template <int dim>
-std::vector<Vector<dim>> SoilStep<dim>::forces_on_walls(const StepMethod<dim>& method) const {
+std::vector<Vector<dim>> SoilStep<dim>::forces_on_walls(const StepMethod<dim>& method,
+                                                        double time) const {
   const auto& groups = model_.wall_groups;
   std::vector<Vector<dim>> sums(groups.size(), Vector<dim>::Zero());
   auto forces = method.wall_forces();
   soil_.add_stopping_forces(start_.phase, start_.dt, forces);
+  const PoolLevels pools = pools_at(time);
+  for (std::size_t w = 0; w < forces.size() && !pools.empty(); ++w) {
+    const WallSettings& wall = phase().walls[w];
+    forces[w] += pool_force_on_sides<dim>(
+        pools, *model_.grid.box, find_facets(model_.grid.facet_groups, wall.group, wall.where));
+  }
   for (std::size_t w = 0; w < forces.size(); ++w) {
     const auto place = std::find(groups.begin(), groups.end(), phase().walls[w].group);
     sums[static_cast<std::size_t>(place - groups.begin())] += forces[w];

@@ -78,6 +78,7 @@ class SoilStep {
   void map_soil();
   Vector<dim> water_weight() const;
   void find_pore_pressures();
+  PoolLevels pools_at(double time) const;
   void begin_surfaces();
   void check_surfaces();
   StepReport solve_soil(const StepRequest& request);
@@ -85,7 +86,7 @@ class SoilStep {
   void move_points(const StepEnd<dim>& end);
   AcceptReport accept_without_soil(double time);
   StepMeasures measure(const StepEnd<dim>& end) const;
-  std::vector<Vector<dim>> forces_on_walls(const StepMethod<dim>& method) const;
+  std::vector<Vector<dim>> forces_on_walls(const StepMethod<dim>& method, double time) const;
   Json details(std::span<const std::int32_t> cell_n) const;
   double largest_step_from(double time) const;
 

@@ -130,13 +130,15 @@ class PointStresses {
         batch.state_n[l] = &state_of(parts, parts.weights.point[entry(b, l)]);
       }
       batch.out = n == Batch::size ? place(parts, entry(b, 0)) : spare_.place();
-      const int refused = update(parts, law, b, with_A);
+      const Law* shared = shared_law(parts, law, b);
+      const int refused =
+          shared ? update(parts, *shared, b, with_A) : update_each(parts, law, b, with_A);
       if (refused < n) {
         worst = {parts.weights.point[entry(b, refused)], refusal_};
         return false;
       }
       if constexpr (!Law::is_elastic) {
-        if (parts.has_path()) advance(parts, batch, b);
+        if (parts.has_path()) advance<Law>(parts, batch, b);
       }
       if (n < Batch::size) spare_.copy(n, place(parts, entry(b, 0)));
     }
@@ -170,16 +172,30 @@ class PointStresses {
   template <class Law>
   PointContext context_of(const StressParts<dim>& parts, std::int32_t e) const {
     if constexpr (!ContextualLaw<Law, dim>) return {};
-    if constexpr (!RemembersInternal<Law>) return {.dt = parts.context->dt};
     const std::int32_t p = parts.weights.point[e];
+    if constexpr (HasVariables<Law>) {
+      PointContext context = parts.context->of_point(parts.points, p);
+      const auto& start = parts.has_path() ? parts.path->variables : parts.points.variables;
+      context.variables = numbers_of(start[p]);
+      context.new_variables = numbers_of(parts.trial.variables[e]);
+      return context;
+    }
+    if constexpr (!RemembersInternal<Law>) return {.dt = parts.context->dt};
     PointContext context = parts.context->of_point(parts.points, p);
     if (parts.has_path()) context.internal = parts.path->internal[p];
     return context;
   }
   // The next substep begins at this one's end. A state that stayed elastic is the one it was.
+  template <class Law>
   void advance(const StressParts<dim>& parts, const Batch& batch, std::size_t b) const {
     for (int l = 0; l < points_of(b); ++l) {
       const std::int32_t p = parts.weights.point[entry(b, l)];
+      if constexpr (HasVariables<Law>) {
+        parts.path->history[p] = batch.out.state[l];
+        parts.path->variables[p] = parts.trial.variables[entry(b, l)];
+        parts.path->F[p] = Matrix<dim>::Identity() + batch.gradient(l);
+        continue;
+      }
       MaterialState<dim>& state = parts.path->history[p];
       if (batch.out.region[l] == YieldRegion::elastic && state.gap == 0) continue;
       state = batch.out.state[l];
@@ -243,6 +259,70 @@ class PointStresses {
     return update_lanes(parts, law, b, with_A);
   }
 
+  /// Where the increment of a point begins.
+  struct PointStart {
+    const MaterialState<dim>& state;
+    const Matrix<dim>* F;  // of the step up to there, for laws with state variables; null: 1
+  };
+  static PointStart start_of(const StressParts<dim>& parts, std::int32_t e) {
+    const std::int32_t p = parts.weights.point[e];
+    const bool has_F = parts.has_path() && !parts.path->F.empty();
+    return {state_of(parts, p), has_F ? &parts.path->F[p] : nullptr};
+  }
+  // The law of a point. A law with state variables sees the increment since the last substep.
+  template <class Law>
+  static bool update_point(const LawInStep<Law, dim>& law, const PointStart& from,
+                           const Matrix<dim>& H, StressUpdate<dim>& found, Tangent<dim>* A) {
+    if constexpr (HasVariables<Law>) {
+      if (from.F != nullptr) {
+        require(A == nullptr, "mpm_solver: a tangent in a substep");
+        const Matrix<dim> inverse = from.F->inverse();
+        const Matrix<dim> increment = (Matrix<dim>::Identity() + H - *from.F) * inverse;
+        if (!law.update(increment, from.state, found, A)) return false;
+        found.P = (found.P * inverse.transpose()).eval();
+        found.J *= from.F->determinant();
+        return true;
+      }
+    }
+    return law.update(H, from.state, found, A);
+  }
+
+  // The law that all points of a batch have, null: their constants differ.
+  template <class Law>
+  const Law* shared_law(const StressParts<dim>& parts, const Law& own, std::size_t b) const {
+    if (parts.laws.empty()) return &own;
+    const Law* first = &parts.law_of(parts.weights.point[entry(b, 0)], own);
+    for (int l = 1; l < Batch::size; ++l) {
+      if (&parts.law_of(parts.weights.point[entry(b, l)], own) != first) return nullptr;
+    }
+    return first;
+  }
+
+  // The same where each point has its own law.
+  template <class Law>
+  int update_each(const StressParts<dim>& parts, const Law& own, std::size_t b, bool with_A) {
+    Batch& batch = batches_[b];
+    refusal_ = Refusal::squeezed;
+    require(!ContextualLaw<Law, dim> || parts.context != nullptr,
+            "mpm_solver: a law that depends on the step without one");
+    StressUpdate<dim> found;
+    Tangent<dim> A;
+    for (int l = 0; l < points_of(b); ++l) {
+      const std::int32_t e = entry(b, l);
+      LawInStep<Law, dim> in_step{parts.law_of(parts.weights.point[e], own), {}};
+      if constexpr (ContextualLaw<Law, dim>) in_step.context = context_of<Law>(parts, e);
+      if (!update_point(in_step, start_of(parts, e), batch.gradient(l), found,
+                        with_A ? &A : nullptr)) {
+        refusal_ = found.refusal;
+        return l;
+      }
+      batch.set(l, found, with_A ? &A : nullptr);
+      if (batch.out.J[l] < min_J_ratio) return l;
+      if constexpr (RemembersInternal<Law>) parts.trial.internal[e] = found.internal;
+    }
+    return points_of(b);
+  }
+
   // Lane by lane, but for those that a law with internal variables finds elastic at once:
   // update_elastic(contexts, batch, with_A) returns which they are.
   template <class Law>
@@ -263,7 +343,8 @@ class PointStresses {
     for (int l = 0; l < n; ++l) {
       if constexpr (ContextualLaw<Law, dim>) in_step.context = contexts[l];
       if (!done[l]) {
-        if (!in_step.update(batch.gradient(l), *batch.state_n[l], found, with_A ? &A : nullptr)) {
+        if (!update_point(in_step, start_of(parts, entry(b, l)), batch.gradient(l), found,
+                          with_A ? &A : nullptr)) {
           refusal_ = found.refusal;
           return l;
         }

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "common/base/require.hpp"
-#include "common/mechanics/norm.hpp"
 #include "mpm_solver/stress/seepage_group.hpp"
 
 namespace gabion::mpm {
@@ -47,6 +46,7 @@ SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageSt
       p_n_[e] = water->at(parts_.points.water[p], parts_.points.J[p]).p;
     }
   }
+  if (!step_.pools.empty()) list_pool_pressures();
   p_ = p_n_;
   J_.assign(p_.size(), 1.0);
   list_wet();
@@ -55,11 +55,30 @@ SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageSt
 
 template <int dim>
 void SeepageForces<dim>::list_wet() {
-  wet_.assign(r_.size(), 0);
+  std::vector<double> groups_at(r_.size(), 0.0);
   for (const std::int32_t g : groups_) {
     const CellGroup& group = parts_.weights.groups[g];
     const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
-    for (int k = 0; k < group.num_nodes; ++k) wet_[active[k]] = 1;
+    for (int k = 0; k < group.num_nodes; ++k) groups_at[active[k]] += 1;
+  }
+  parts_.nodes.shared.sum(groups_at, 1);
+  wet_.assign(r_.size(), 0);
+  for (std::size_t i = 0; i < wet_.size(); ++i) wet_[i] = groups_at[i] > 0 ? 1 : 0;
+}
+
+template <int dim>
+void SeepageForces<dim>::list_pool_pressures() {
+  const auto& weights = parts_.weights;
+  f_pool_.assign(f_.size(), 0.0);
+  p_pool_.assign(weights.point.size(), 0.0);
+  p_pool_slope_.assign(weights.point.size(), Vector<dim>::Zero());
+  for (const std::int32_t g : groups_) {
+    const CellGroup& group = weights.groups[g];
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const Vector<dim>& x = parts_.points.x[weights.point[e]];
+      p_pool_[e] = step_.pools.template pressure<dim>(x);
+      p_pool_slope_[e] = step_.pools.template gradient<dim>(x);
+    }
   }
 }
 
@@ -73,6 +92,7 @@ double SeepageForces<dim>::stabilisation(std::int32_t body) const {
   for (std::int32_t p = points.body_starts[body]; p < points.body_starts[body + 1]; ++p) {
     least = std::min(least, soil.water->mobility_ratio(points.J[p]));
   }
+  least = -parts_.nodes.shared.largest(-least);
   const double drained = 4 * soil.water->mobility() * least * M * step_.dt / (h * h);
   const double alpha =
       parts_.points.half_length.empty() ? points_see_of_splines : points_see_of_gimp;
@@ -110,6 +130,7 @@ std::vector<double> SeepageForces<dim>::start_heads() const {
       }
     }
   }
+  parts_.nodes.shared.sum(q, sum, 1);
   for (std::size_t i = 0; i < q.size(); ++i) q[i] = sum[i] > 0 ? q[i] / sum[i] : 0;
   return q;
 }
@@ -131,7 +152,7 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
   const auto& weights = parts_.weights;
   const PoreWater& water = *parts_.bodies[group.body].water;
   work.points.resize(group.last - group.first);
-  work.V = work.Vj = work.pV = work.p_nV = work.density = 0;
+  work.V = work.Vj = work.pV = work.p_nV = work.p_poolV = work.density = 0;
   std::fill_n(work.N.begin(), group.num_nodes, 0.0);
   std::fill_n(work.change.begin(), group.num_nodes, Vector<dim>::Zero());
   for (std::int32_t e = group.first; e < group.last; ++e) {
@@ -151,6 +172,7 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
     const Vector<dim> weight = water.density * step_.gravity;
     point.p = at_rest(group.body, parts_.points.x[p]);
     point.p_n = p_n_[e];
+    if (!p_pool_.empty()) point.p_pool = p_pool_[e], point.p_pool_slope = p_pool_slope_[e];
     point.density = std::exp(point.p_n / water.bulk_modulus);
     point.grad_p = G * weight;
     for (int i = 0; i < weights.num_nodes(e); ++i) {
@@ -165,6 +187,7 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
     work.Vj += point.V * point.j;
     work.pV += point.V * point.p;
     work.p_nV += point.V * point.p_n;
+    work.p_poolV += point.V * point.p_pool;
     work.density += point.V * point.density;
   }
   work.density /= work.V;
@@ -188,12 +211,37 @@ template <int dim>
 void SeepageForces<dim>::add_forces(const CellGroup&, Group& work) {
   const auto& weights = parts_.weights;
   for (const Work& point : work.points) {
-    const double p = step_.averages ? work.pV / work.V : point.p;
+    const double p = work.excess(point, step_.averages), Vj = point.V * point.j;
     for (int i = 0; i < weights.num_nodes(point.entry); ++i) {
       const std::ptrdiff_t node = work.active[weights.local_of(point.entry)[i]];
-      for (int d = 0; d < dim; ++d) f_[node * dim + d] += point.V * point.j * p * point.g[i][d];
+      for (int d = 0; d < dim; ++d) f_[node * dim + d] += Vj * p * point.g[i][d];
+    }
+    if (p_pool_.empty()) continue;
+    const double p_pool = work.pool_pressure(point, step_.averages);
+    for (int i = 0; i < weights.num_nodes(point.entry); ++i) {
+      const std::ptrdiff_t node = work.active[weights.local_of(point.entry)[i]];
+      const double N = weights.N_of(point.entry)[i];
+      for (int d = 0; d < dim; ++d) {
+        const double along = Vj * N * point.p_pool_slope[d];
+        f_[node * dim + d] -= along;
+        f_pool_[node * dim + d] -= along + Vj * p_pool * point.g[i][d];
+      }
     }
   }
+}
+
+template <int dim>
+double SeepageForces<dim>::pool_work(std::span<const double> du) const {
+  double work = 0;
+  for (std::size_t k = 0; k < f_pool_.size(); ++k) work += f_pool_[k] * du[k];
+  return work;
+}
+
+template <int dim>
+Vector<dim> SeepageForces<dim>::pool_force() const {
+  Vector<dim> force = Vector<dim>::Zero();
+  for (std::size_t k = 0; k < f_pool_.size(); ++k) force[k % dim] += f_pool_[k];
+  return force;
 }
 
 template <int dim>
@@ -236,10 +284,21 @@ void SeepageForces<dim>::add_volumes(const CellGroup& group, Group& work) {
 template <int dim>
 bool SeepageForces<dim>::evaluate(const Trial& trial, BlockMatrix<block_size>* K,
                                   RefusedPoint& worst) {
-  for (auto* values : {&f_, &r_, &squeezed_, &seeped_}) {
+  const SharedNodes& shared = parts_.nodes.shared;
+  if (!shared.all(evaluate_groups(trial, K, worst))) return false;
+  shared.sum(r_, squeezed_, 1);
+  shared.sum(seeped_, 1);
+  outflow_ = shared.total(outflow_);
+  return true;
+}
+
+template <int dim>
+bool SeepageForces<dim>::evaluate_groups(const Trial& trial, BlockMatrix<block_size>* K,
+                                         RefusedPoint& worst) {
+  for (auto* values : {&f_, &r_, &squeezed_, &seeped_, &f_pool_}) {
     std::fill(values->begin(), values->end(), 0.0);
   }
-  weight_work_ = outflow_ = 0;
+  weight_work_ = outflow_ = inflow_work_ = 0;
   Group work;
   for (const std::int32_t g : groups_) {
     const CellGroup& group = parts_.weights.groups[g];
@@ -276,8 +335,8 @@ void SeepageForces<dim>::find_start_forces() {
 
 template <int dim>
 double SeepageForces<dim>::volume_scale() const {
-  return std::max(norm_of(std::span<const double>(squeezed_)),
-                  norm_of(std::span<const double>(seeped_)));
+  const SharedNodes& shared = parts_.nodes.shared;
+  return std::max(shared.norm(squeezed_), shared.norm(seeped_));
 }
 
 template class SeepageForces<2>;

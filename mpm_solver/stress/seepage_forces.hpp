@@ -6,6 +6,7 @@
 
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "mpm_solver/grid/outer_point.hpp"
+#include "mpm_solver/points/pool.hpp"
 #include "mpm_solver/stress/stress_parts.hpp"
 
 namespace gabion::mpm {
@@ -18,6 +19,7 @@ struct SeepageStepData {
   double cell_size = 0;                       ///< [m]
   double inertia_slope = 0;  ///< NewmarkBossak::inertia_slope; 0: quasi-static [1/s^2]
   bool averages = false;     ///< volumes are those of groups (F-bar), as in AveragedForces
+  PoolLevels pools{};        ///< at the end of the step
 };
 
 /// Pore water of bodies that drain, between the grains of the points and with its pressure on the
@@ -26,16 +28,20 @@ struct SeepageStepData {
 ///     p(x) = sum_k N_k q_k + rho_w g . x ,
 ///
 /// and a step balances the volume of water (W13) while the pressure adds to the forces (W12) of
-/// docs/theory/water.md. Refers to its parts; valid for one step of one rank.
+/// docs/theory/water.md. Pools press on the whole border of the soil (W17), which is the same as to
+/// take their pressure, continued into the soil, from its own, and to push it along its gradient.
+/// Each rank has the points of its groups; volumes and what is found of them are of all ranks.
+/// Refers to its parts; valid for one step.
 template <int dim>
 class SeepageForces {
  public:
   static constexpr int block_size = dim + 1;
 
+  /// @note Collective.
   SeepageForces(const StressParts<dim>& parts, const SeepageStepData<dim>& step);
 
-  /// Let water leave at these points where it is under pressure, and none in. Replaces earlier
-  /// ones.
+  /// Let water leave at these points where it is under pressure, and none in; below the level of a
+  /// pool both, by the difference of the pressures. Replaces earlier ones.
   void open(const BackgroundGrid<dim>& grid, std::span<const OuterPoint<dim>> surface);
 
   /// Unknowns of a trial state.
@@ -46,25 +52,36 @@ class SeepageForces {
   /// Find forces and volumes of a trial state.
   /// @param K  null, or gets what the water adds to -dr/d(du, q): node blocks of dim rows of forces
   ///           and one of volumes
-  /// @returns false when pores would be closed; `worst` is that point
+  /// @returns false when pores would be closed on any rank; `worst` is that point where it is of
+  ///          this one
+  /// @note Collective.
   bool evaluate(const Trial& trial, BlockMatrix<block_size>* K, RefusedPoint& worst);
   /// Forces of the accepted pressures, those of du = 0. Replaces forces().
   void find_start_forces();
 
-  /// Force of the pressure on the skeleton, num_nodes x dim [N].
+  /// Force of the pressure on the skeleton, of the points of this rank, num_nodes x dim [N].
   const std::vector<double>& forces() const { return f_; }
   /// Volume that is missing at each node: r of the balance of water, num_nodes [m^3].
   const std::vector<double>& volumes() const { return r_; }
+  /// Work of the pools' pressure on the skeleton as it moves, of this rank [J].
+  double pool_work(std::span<const double> du) const;
+  /// Their force on the skeleton, of this rank [N].
+  Vector<dim> pool_force() const;
+  /// Work of pools on the water that comes in, less that of what leaves into them, in the last
+  /// evaluation, of this rank [J].
+  double inflow_work() const { return inflow_work_; }
   /// Volume of water that leaves at the points of open(), in the last evaluation [m^3].
   double outflow() const { return outflow_; }
-  /// Work of gravity on the water that seeps through the skeleton, in the last evaluation [J].
+  /// Work of gravity on the water that seeps through the skeleton, in the last evaluation, of the
+  /// points of this rank [J].
   double weight_work() const { return weight_work_; }
-  /// Norm of what the balance of water consists of [m^3].
+  /// Norm of what the balance of water consists of [m^3]. @note Collective.
   double volume_scale() const;
 
   /// q of the nodes that fits the accepted pressures best, as a guess [Pa]; 0 at dry nodes.
+  /// @note Collective.
   std::vector<double> start_heads() const;
-  /// 1 for nodes that may act on points whose water drains, num_nodes.
+  /// 1 for nodes that may act on points, of any rank, whose water drains, num_nodes.
   const std::vector<char>& wet() const { return wet_; }
   /// p of water at rest that q leaves out, at a place [Pa].
   double at_rest(std::int32_t body, const Vector<dim>& x) const;
@@ -74,7 +91,7 @@ class SeepageForces {
   /// Give the trial state of the points, so far that of the skeleton, the pressures of the last
   /// evaluation.
   /// @returns what the water gives up as it seeps and leaves: the work against its pressure that
-  ///          does not become energy of the water in the points [J]
+  ///          does not become energy of the water in the points, of this rank [J]
   double finish(std::span<const double> du);
   /// Put pressures and masses of the last evaluation into the points.
   void store(MaterialPoints<dim>& points) const;
@@ -88,8 +105,11 @@ class SeepageForces {
     std::array<double, dim == 2 ? 9 : 27> w = {};  // of the nodes of the entry
     double at_rest = 0;                            // pressure that q leaves out there [Pa]
     double drained = 0;                            // volume in the step by pressure [m^3/Pa]
+    double outside = 0;                            // pressure of a pool, 0: air [Pa]
   };
   void list_wet();
+  void list_pool_pressures();
+  bool evaluate_groups(const Trial& trial, BlockMatrix<block_size>* K, RefusedPoint& worst);
   double tie_of_nodes(const CellGroup& group) const;
   double stabilisation(std::int32_t body) const;
   void gather(const CellGroup& group, const Trial& trial, Group& work) const;
@@ -105,7 +125,7 @@ class SeepageForces {
   StressParts<dim> parts_;
   SeepageStepData<dim> step_;
   double modulus_ = 0;
-  double weight_work_ = 0, outflow_ = 0;
+  double weight_work_ = 0, outflow_ = 0, inflow_work_ = 0;
   std::vector<Outlet> outlets_;       // ascending entries
   std::vector<std::int32_t> groups_;  // of the weights, those of bodies that drain
   std::vector<double> tau_st_;        // of each body [1/Pa]
@@ -115,6 +135,11 @@ class SeepageForces {
   std::vector<char> wet_;
   std::vector<double> q_start_;  // start_heads()
   std::vector<double> f_, r_, squeezed_, seeped_;
+
+  // With pools; else empty.
+  std::vector<double> p_pool_;             // pressure of pools at each entry [Pa]
+  std::vector<Vector<dim>> p_pool_slope_;  // its gradient [Pa/m]
+  std::vector<double> f_pool_;             // the pools' part of f_
 };
 
 }  // namespace gabion::mpm

@@ -19,6 +19,8 @@ struct SeepageForces<dim>::Work {
   Vector<dim> grad_p = Vector<dim>::Zero();  // at the end of the step
   double kappa = 0, kappa_slope = 0;         // mobility, d ln kappa / d ln J
   Vector<dim> w = Vector<dim>::Zero();       // flux of Darcy [m/s]
+  double p_pool = 0;                         // of pools, at the start
+  Vector<dim> p_pool_slope = Vector<dim>::Zero();
   std::array<Vector<dim>, max_group_nodes<dim>> g;  // of each of its nodes
 };
 
@@ -28,13 +30,22 @@ struct SeepageForces<dim>::Group {
   std::array<double, max_group_nodes<dim> * dim> du;
   std::array<double, max_group_nodes<dim>> q, change_of_q;
   std::vector<Work> points;
-  double V = 0, Vj = 0, pV = 0, p_nV = 0;
+  double V = 0, Vj = 0, pV = 0, p_nV = 0, p_poolV = 0;
   double density = 0;                                    // mean
   std::array<double, max_group_nodes<dim>> N;            // mean of each node
   std::array<Vector<dim>, max_group_nodes<dim>> change;  // d(sum V j) / du of each node
   std::array<double, max_group_nodes<dim>> compressed;   // V (exp(dp / K_w) - 1) at each node
   std::array<std::int32_t, max_group_nodes<dim>> active;
   std::vector<double> K;  // row by row
+
+  /// Pressure of a point on the skeleton, of the water alone or beyond that of the pools.
+  double pressure(const Work& point, bool averages) const { return averages ? pV / V : point.p; }
+  double pool_pressure(const Work& point, bool averages) const {
+    return averages ? p_poolV / V : point.p_pool;
+  }
+  double excess(const Work& point, bool averages) const {
+    return averages ? (pV - p_poolV) / V : point.p - point.p_pool;
+  }
 };
 
 }  // namespace gabion::mpm

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The free surface, where pore water leaves the soil.
+// The free surface, where pore water leaves the soil, or comes in from a pool.
 #include <algorithm>
 
 #include "mpm_solver/grid/surface_values.hpp"
@@ -37,6 +37,7 @@ void SeepageForces<dim>::open(const BackgroundGrid<dim>& grid,
           parts_.points.x[p] +
           SurfaceValues<dim>(grid, parts_.points, p).at(-at.n, at.R, outlet.w.data());
       outlet.at_rest = at_rest(group.body, place);
+      outlet.outside = step_.pools.template pressure<dim>(place);
       const double kappa = water.mobility() * water.mobility_ratio(parts_.points.J[p]);
       outlet.drained = surface_mobility * at.area / h * kappa * step_.dt;
       outlets_.push_back(outlet);
@@ -54,8 +55,10 @@ void SeepageForces<dim>::add_outflow(const CellGroup& group, Group& work, bool w
     const std::uint8_t* local = weights.local_of(outlet->entry);
     double p = outlet->at_rest;
     for (int i = 0; i < num; ++i) p += outlet->w[i] * work.q[local[i]];
-    if (!(p > 0)) continue;  // air does not press water into the soil
+    p -= outlet->outside;
+    if (!(p > 0) && outlet->outside == 0) continue;  // air does not press water into the soil
     outflow_ += outlet->drained * p;
+    inflow_work_ -= outlet->drained * p * outlet->outside;
     for (int i = 0; i < num; ++i) {
       const double of_node = outlet->drained * outlet->w[i];
       r_[work.active[local[i]]] += of_node * p;

@@ -8,6 +8,7 @@ template <int dim>
 double SeepageForces<dim>::finish(std::span<const double> du) {
   double lost = 0;
   for (std::size_t k = 0; k < f_.size(); ++k) lost -= 0.5 * f_[k] * du[k];
+  lost += 0.5 * pool_work(du);
   TrialPoints<dim>& trial = parts_.trial;
   trial.pore_tau.resize(trial.tau.size(), 0.0);
   std::array<double, max_group_nodes<dim> * dim> moves;

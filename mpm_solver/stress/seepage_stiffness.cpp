@@ -14,7 +14,7 @@ void SeepageForces<dim>::add_point_stiffness(const CellGroup& group, const Work&
   const auto& weights = parts_.weights;
   const PoreWater& water = *parts_.bodies[group.body].water;
   const double kappa = point.kappa, Vj = point.V * point.j;
-  const double p = step_.averages ? work.pV / work.V : point.p;
+  const double p = work.excess(point, step_.averages);
   const double change = (point.p - point.p_n) / water.bulk_modulus;
   const double storage =
       point.density * point.V0 * point.m * std::exp(change) / water.bulk_modulus +
@@ -35,6 +35,9 @@ void SeepageForces<dim>::add_point_stiffness(const CellGroup& group, const Work&
       for (int d = 0; d < dim; ++d) {
         for (int c = 0; c < dim; ++c) {
           block[d * rows + c] -= Vj * p * (g_i[d] * g_k[c] - g_k[d] * g_i[c]);
+        }
+        for (int c = 0; c < dim && !p_pool_.empty(); ++c) {
+          block[d * rows + c] += Vj * N[i] * point.p_pool_slope[d] * g_k[c];
         }
         if (!step_.averages) block[d * rows + dim] -= Vj * N[k] * g_i[d];
         volumes[d] += step_.dt * Vj * (g_w * g_k[d] - gw_k * g_i[d] + gg * point.grad_p[d]) -

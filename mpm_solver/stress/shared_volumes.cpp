@@ -206,8 +206,19 @@ double change_volume(const LawInStep<Law, dim>& law, double d, std::int32_t p,
   MaterialState<dim> state = points.history[p];
   add_volumetric_strain(law.law, d, state);
   StressUpdate<dim> stress;
-  require(law.update(Matrix<dim>::Zero(), state, stress, nullptr),
-          "mpm_solver: a shared volume is inadmissible");
+  if constexpr (HasVariables<Law>) {
+    const StateVariables before = points.variables[p];
+    const PointContext at_once{.variables = numbers_of(before),
+                               .new_variables = numbers_of(points.variables[p])};
+    require(law.law.strain_evenly(at_once, d, stress),
+            "mpm_solver: the UMAT gives no stress for a volumetric strain of {:.3g} in no time "
+            "(DTIME 0), which F-bar asks for where points enter other cells; \"locking\": "
+            "{{\"method\": \"none\"}} does not",
+            d);
+  } else {
+    require(law.update(Matrix<dim>::Zero(), state, stress, nullptr),
+            "mpm_solver: a shared volume is inadmissible");
+  }
   const double lost = points.V0[p] * (points.energy[p] - stress.energy);
   points.history[p] = stress.state;
   if constexpr (RemembersInternal<Law>) points.internal[p] = stress.internal;
@@ -327,7 +338,7 @@ class SharedWater {
 
 template <int dim>
 double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>& bodies,
-                     MaterialPoints<dim>& points) {
+                     MaterialPoints<dim>& points, std::span<const MaterialLaw<dim>* const> laws) {
   SharedWater<dim> water(owners, bodies, points);
   double lost = water.share();
   GroupVolumes<dim> volumes(owners, points);
@@ -352,7 +363,8 @@ double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>
   for_each_point([&]<class Law>(const Law& law, std::int32_t b, std::int32_t p) {
     const double d = volumes.strain(b, p) - theta[p];
     if (!(std::abs(d) > same_strain)) return;
-    LawInStep<Law, dim> in_step{law, {}};
+    const bool own = !laws.empty() && laws[p] != nullptr;
+    LawInStep<Law, dim> in_step{own ? std::get<Law>(*laws[p]) : law, {}};
     if constexpr (RemembersInternal<Law>) in_step.context = at_once.of_point(points, p);
     lost += points.is_wet(p) ? change_volume(in_step, *bodies[b].water, d, p, points)
                              : change_volume(in_step, d, p, points);
@@ -362,8 +374,8 @@ double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>
 }
 
 template double share_volumes<2>(const CellOwners<2>&, const std::vector<Body<2>>&,
-                                 MaterialPoints<2>&);
+                                 MaterialPoints<2>&, std::span<const MaterialLaw<2>* const>);
 template double share_volumes<3>(const CellOwners<3>&, const std::vector<Body<3>>&,
-                                 MaterialPoints<3>&);
+                                 MaterialPoints<3>&, std::span<const MaterialLaw<3>* const>);
 
 }  // namespace gabion::mpm

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <concepts>
+
 #include "mpm_solver/grid/background_grid.hpp"
 #include "mpm_solver/points/material_points.hpp"
 
@@ -14,6 +16,12 @@ struct StepContext {
 
   /// Context of one point at the accepted state.
   PointContext of_point(const MaterialPoints<dim>& points, std::int32_t p) const;
+};
+
+/// A law with state variables in MaterialPoints::variables, from increment to increment: Umat.
+template <class Law>
+concept HasVariables = requires(const Law& law) {
+  { law.num_variables() } -> std::same_as<int>;
 };
 
 /// Width of the narrowest band of shear that the basis can make in a cell [m].

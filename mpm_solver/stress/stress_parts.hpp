@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "common/mechanics/petsc/node_block.hpp"
@@ -24,6 +25,10 @@ template <int dim>
 struct MaterialPath {
   std::vector<MaterialState<dim>> history;
   std::vector<InternalState> internal;  ///< empty where MaterialPoints::internal is
+  /// State variables of a Umat, and 1 + H of the step up to here: such a law is not brought back.
+  /// Empty where MaterialPoints::variables is.
+  std::vector<StateVariables> variables;
+  std::vector<Matrix<dim>> F;
 };
 
 /// A material point whose law gives no stress.
@@ -52,6 +57,8 @@ struct GroupForces {
 ///
 /// `kept` (null: nothing) takes what the groups that it names add to the internal forces.
 ///
+/// `laws` are those of points whose constants vary (PointLaws).
+///
 /// `context` is that of the step or substep under way; needed by bodies of a ContextualLaw only.
 template <int dim>
 struct StressParts {
@@ -64,7 +71,14 @@ struct StressParts {
   const StepContext<dim>* context = nullptr;
   const Vector<dim>* held_normal = nullptr;
   GroupForces<dim>* kept = nullptr;
+  /// Law of each point, null: that of its body; empty: every point has that of its body.
+  std::span<const MaterialLaw<dim>* const> laws = {};
 
+  /// @param own  that of its body
+  template <class Law>
+  const Law& law_of(std::int32_t p, const Law& own) const {
+    return laws.empty() || laws[p] == nullptr ? own : std::get<Law>(*laws[p]);
+  }
   bool has_path() const { return path && !path->history.empty(); }
 };
 

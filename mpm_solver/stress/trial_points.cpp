@@ -52,6 +52,9 @@ void accept_stresses(const PointWeights<dim>& weights, const TrialPoints<dim>& t
   for (std::size_t e = 0; e < trial.internal.size(); ++e) {
     points.internal[weights.point[e]] = trial.internal[e];
   }
+  for (std::size_t e = 0; e < trial.variables.size(); ++e) {
+    points.variables[weights.point[e]] = trial.variables[e];
+  }
 }
 
 template double plastic_work<2>(const PointWeights<2>&, const TrialPoints<2>&,

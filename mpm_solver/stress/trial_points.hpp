@@ -19,8 +19,9 @@ struct TrialPoints {
   std::vector<double> energy;
   std::vector<Symmetric<dim>> plastic_increment;  ///< of StressUpdate
   std::vector<YieldRegion> region;
-  std::vector<InternalState> internal;  ///< empty where MaterialPoints::internal is
-  std::vector<double> pore_tau;         ///< J p of the pore water; empty where no body has any [Pa]
+  std::vector<InternalState> internal;    ///< empty where MaterialPoints::internal is
+  std::vector<StateVariables> variables;  ///< empty where MaterialPoints::variables is
+  std::vector<double> pore_tau;  ///< J p of the pore water; empty where no body has any [Pa]
   /// Room for the points of a rank.
   void resize(const MaterialPoints<dim>& points) {
     const std::size_t n = points.x.size();
@@ -30,7 +31,9 @@ struct TrialPoints {
     energy.resize(n);
     plastic_increment.resize(n);
     region.resize(n);
-    internal.resize(points.internal.size());
+    // Only laws that remember something set theirs.
+    internal.assign(points.internal.size(), InternalState::Zero());
+    variables.assign(points.variables.size(), StateVariables::Zero());
     if (!pore_tau.empty()) pore_tau.assign(n, 0.0);
   }
   /// Kirchhoff stress of the skeleton [Pa].

@@ -55,11 +55,16 @@ void YieldingPoints<dim>::add_stiffness(double share, const StressParts<dim>& pa
     const CellGroup& group = weights.groups[g];
     const auto first = yielded_.begin() + group.first, last = yielded_.begin() + group.last;
     if (std::find(first, last, 1) == last) continue;
-    const Tangent<dim> A = share * elastic_tangent<dim>(parts.bodies[group.body].material.law);
+    const MaterialLaw<dim>& own = parts.bodies[group.body].material.law;
+    Tangent<dim> A = share * elastic_tangent<dim>(own);
     sum.start(group.num_nodes, K.cell_blocks(static_cast<std::int32_t>(g)));
     for (std::int32_t e = group.first; e < group.last; ++e) {
       if (!yielded_[e]) continue;
       const std::int32_t row = weights.constant_gradient ? group.first : e;
+      const std::int32_t p = weights.point[e];
+      if (!parts.laws.empty() && parts.laws[p] != nullptr) {
+        A = share * elastic_tangent<dim>(*parts.laws[p]);
+      }
       of_point.set_tangent(weights.volume[e] * A);
       sum.add_point(weights.num_nodes(row), weights.local_of(row), weights.grad_of(row),
                     of_point.A);

@@ -26,6 +26,11 @@ UNITS = {
     "volume_ratio": "-",
     "stress": "Pa",
     "pressure": "Pa",
+    "cohesion": "Pa",
+    "modulus": "Pa",
+    "cutoff": "Pa",
+    "angle": "°",
+    "yield_stress": "Pa",
     "volume": "m³",
     "mass": "kg",
 }

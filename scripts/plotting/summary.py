@@ -5,6 +5,7 @@ import numpy as np
 
 from plotting.history import FORCES, displacement_columns, is_rigid_wall, probe_points, wall_columns
 from plotting.results import Results, is_completed
+from plotting.strength import strength_search
 
 
 def summary_lines(results: Results) -> list[str]:
@@ -15,6 +16,8 @@ def summary_lines(results: Results) -> list[str]:
         lines.append("No summary.json: the run did not come to its end.")
     else:
         lines += [_run_line(summary), *_count_lines(summary)]
+        if search := strength_search(summary):
+            lines.append(f"factor of safety {search}")
     lines += _probe_lines(results) + _force_lines(results) + _wall_lines(results)
     lines += [f"ParaView: {path}" for path in sorted(results.folder.glob("*/*.xdmf"))]
     plots = sorted(path.name for path in (results.folder / "plots").glob("*"))

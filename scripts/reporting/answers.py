@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is asked of a run first, as numbers: displacements, forces, moments, pressures, run-up, passed mass,
-stability."""
+"""What is asked of a run first, as numbers: factor of safety, displacements, forces, moments, pressures, run-up,
+passed mass, stability."""
 
 import re
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from plotting.history import FORCES, SECTION, boulder_parts, displacement_columns, is_rigid_wall, probe_points
 from plotting.results import Results, Table, gauge_names
+from plotting.strength import strength_search
 from plotting.view import AXES, up_axis
 
 from .surfaces import moments, touched_faces
@@ -29,8 +30,14 @@ Row = tuple[str, str]  # what is asked, answer
 
 def answers(results: Results) -> list[Row]:
     """Rows in the order in which they are asked; what a run does not have is left out."""
-    return [*displacements(results), *forces(results), *boulder_forces(results), *base_moments(results),
-            *pressures(results), *members(results), *gauges(results), *stability(results)]
+    return [*safety(results), *displacements(results), *forces(results), *boulder_forces(results),
+            *base_moments(results), *pressures(results), *members(results), *gauges(results), *stability(results)]
+
+
+def safety(results: Results) -> list[Row]:
+    """Factor of safety of a slope, of a run that searched for it."""
+    search = strength_search(results.summary)
+    return [("factor of safety", search)] if search else []
 
 
 def number(value: float, unit: str) -> str:

@@ -73,8 +73,17 @@ def _soil(settings: dict) -> list[tuple[str, str]]:
 
 
 def _material(material: dict) -> str:
-    chosen = {key.replace("_", " "): material[key] for key in MATERIAL if key in material}
-    return f"{material.get('law', '?').replace('_', ' ')}: {_listed(chosen)}"
+    chosen = {key.replace("_", " "): _varying(material[key]) for key in MATERIAL if key in material}
+    below = ", and layers below" if material.get("layers") else ""
+    return f"{material.get('law', '?').replace('_', ' ')}: {_listed(chosen)}{below}"
+
+
+def _varying(value: Any) -> Any:
+    """A constant that varies in space, in words."""
+    if not isinstance(value, dict):
+        return value
+    words = {"by_depth": "by depth", "raster": "by a raster", "field": "by a field", "random": "at random"}
+    return "varies " + " and ".join(text for key, text in words.items() if key in value)
 
 
 def _mesh(mesh: dict) -> str:

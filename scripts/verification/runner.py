@@ -3,6 +3,7 @@
 
 import json
 import os
+import platform
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -12,6 +13,8 @@ from verification.table import Row, VerificationError, by_id, read_rows
 
 ONE_THREAD = {"OMP_THREAD_LIMIT": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
               "OMPI_MCA_mpi_yield_when_idle": "1"}
+if platform.machine() == "x86_64":  # one kind of kernels, as scripts/setup says
+    ONE_THREAD["OPENBLAS_CORETYPE"] = os.environ.get("OPENBLAS_CORETYPE", "Haswell")
 
 
 @dataclass

@@ -7,10 +7,9 @@ import os
 import signal
 import time
 from pathlib import Path
-from unittest import mock
 
 import launch
-from launch import PROGRAMS, Ended, IntegrationCase, Launch, endless, read_table
+from launch import PROGRAMS, Ended, IntegrationCase, Launch, endless, free_endpoint, read_table
 
 SILENCE = 40  # [s] long enough that a death which is named was noticed without it
 PARTICIPANT = {"mpm_solver": "soil", "fem_solver": "structure"}
@@ -123,19 +122,37 @@ class Killed(IntegrationCase):
             maps = [line for line in Path(f"/proc/{pid}/maps").read_text().splitlines() if "/dev/shm/" in line]
             self.assertTrue(all(line.endswith("(deleted)") for line in maps), maps)
 
+    def start_each_alone(self) -> dict[str, Launch]:
+        """Each program without mpirun, which would wake or kill the others at the end of one; after 50 steps."""
+        endpoint = free_endpoint()
+        started = {}
+        for program in PROGRAMS:
+            started[program] = Launch([str(launch.binaries / program), str(self.scene), "--output", str(self.out),
+                                       "--coupler", endpoint], self.folder)
+            self.addCleanup(started[program].end)
+            started[program].wait_until(self.out.exists, "the folder of results")
+        rows = self.out / "steps.csv"
+        started["coupler"].wait_until(lambda: rows.exists() and rows.read_text().count("\n") > 50, "50 steps")
+        return started
+
     def test_stopped_coupler_says_that_it_was_stopped(self) -> None:
         """The solvers give it up; what it says when it runs again does not blame them."""
         files = endless(in_contact=True)
         files["coupler"]["protocol"] = {"silence_deadline": 2, "heartbeat": 0.2}
         self.write_scene(files)
-        with mock.patch.dict(os.environ, {"OMPI_MCA_odls_base_sigkill_timeout": "100"}):
-            run = self.start_and_step()
-            os.kill(run.pid_of("coupler"), signal.SIGSTOP)
-            run.wait_programs_gone()  # mpirun, which the end of a solver wakes, lets the coupler go on
-        self.assertNotEqual(run.wait().code, 0)
+        started = self.start_each_alone()
+        coupler = started.pop("coupler")
+        os.kill(coupler.process.pid, signal.SIGSTOP)
+        for each in started.values():
+            ended = each.wait()
+            self.assertEqual(ended.code, 4, ended.text)
+            self.assert_says(ended.text, "error: the coupler", "is silent for", "its process is stopped")
+        os.kill(coupler.process.pid, signal.SIGCONT)
+        self.assertEqual(coupler.wait().code, 4, coupler.text())
         words = "the coupler's own process did not run for"
         self.assertIn(words, json.loads((self.out / "summary.json").read_text())["reason"])
         self.assert_says((self.out / "coupler.log").read_text(), "error: ", words, "it was stopped")
+        self.check_results(in_contact=True)
 
 
 class Interrupted(IntegrationCase):

@@ -9,6 +9,7 @@
 #include "common/mechanics/materials/material.hpp"
 #include "common/mechanics/materials/read_cam_clay.hpp"
 #include "common/mechanics/materials/read_softening.hpp"
+#include "common/mechanics/materials/read_umat.hpp"
 
 namespace gabion {
 namespace {
@@ -26,7 +27,7 @@ std::vector<Key> elasticity_keys(const std::vector<std::string>& laws) {
   const Key ratio = key::number("poisson_ratio", "", "Poisson's ratio.").in(inside(-1, 0.5));
   return {key::number("density", "kg/m^3", "Mass of a unit volume that is free of stress.")
               .in(positive()),
-          but(modulus, {"cam_clay", "newtonian"}), but(ratio, {"newtonian"})};
+          but(modulus, {"cam_clay", "newtonian", "umat"}), but(ratio, {"newtonian", "umat"})};
 }
 
 std::vector<Key> strength_keys() {
@@ -291,14 +292,15 @@ MuI<dim> read_mu_i(ConfigReader& in, const LameConstants& elastic) {
 
 const std::vector<std::string> elastic_laws = {"linear_elastic", "neo_hookean", "hencky_elastic"};
 const std::vector<std::string> material_laws = {
-    "linear_elastic", "neo_hookean",      "hencky_elastic", "mohr_coulomb", "tresca",
-    "drucker_prager", "herschel_bulkley", "mu_i",           "cam_clay",     "newtonian"};
+    "linear_elastic",   "neo_hookean", "hencky_elastic", "mohr_coulomb", "tresca", "drucker_prager",
+    "herschel_bulkley", "mu_i",        "cam_clay",       "newtonian",    "umat"};
 
 KeyTable material_keys(const std::vector<std::string>& laws) {
   KeyTable table{"material", "Law of the stress and its constants.", {}};
   table.keys.push_back(key::choice("law", laws, "Law of the stress."));
-  for (const auto& group : {elasticity_keys(laws), strength_keys(), flow_keys(), newtonian_keys(),
-                            granular_keys(), cam_clay_keys(), apex_keys(), softening_key()}) {
+  for (const auto& group :
+       {elasticity_keys(laws), strength_keys(), flow_keys(), newtonian_keys(), granular_keys(),
+        cam_clay_keys(), apex_keys(), softening_key(), umat_keys()}) {
     std::copy_if(group.begin(), group.end(), std::back_inserter(table.keys),
                  [&](const Key& key) { return belongs_to(key, laws); });
   }
@@ -320,6 +322,7 @@ Material<dim> read_material(ConfigReader in) {
     in.finish();
     return material;
   }
+  if (material.law_name == "umat") in.fail("law", "found \"umat\", allowed: in mpm.json");
   const auto elastic = read_elasticity(in);
   if (material.law_name == "linear_elastic") {
     material.law = LinearElastic<dim>{elastic.lambda, elastic.mu};

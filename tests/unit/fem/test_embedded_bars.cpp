@@ -71,7 +71,7 @@ void check_embedded(CellType type) {
   const std::vector<fem::LineMaterial> tied = {steel(true)}, loose = {steel(false)};
   const auto embedded = fem::find_embedded_nodes<dim>(mesh, tied, {});
   ASSERT_EQ(embedded.nodes.size(), 6u);
-  const fem::LineBlock<dim> block(mesh, tied[0], {0, 1, 2, 3, 4}, false, embedded);
+  const fem::LineBlock<dim> block(mesh, tied[0], {0, 1, 2, 3, 4}, false, {{}, {}, &embedded});
   const fem::LineBlock<dim> plain(mesh, loose[0], {0, 1, 2, 3, 4}, false);
   const auto size = static_cast<Eigen::Index>(mesh.nodes.size()) * dim;
 

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 template <int dim>
 fem::CellIntegrals<dim> integrals(const fem::FemSettings<dim>& settings) {
-  return {settings.mesh, settings.materials, settings.lumped_mass, {}, settings.line_materials};
+  return {settings.mesh, settings.materials, settings.lumped_mass, {}, {settings.line_materials}};
 }
 
 template <int dim>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -158,6 +159,46 @@ TEST(ContactOutput, gap_before_anything_moves) {
   }
   EXPECT_TRUE(std::isnan(frame.gap.front()));
   EXPECT_TRUE(std::isnan(frame.gap.back()));
+}
+
+/// Points far from each other share a look at the surface as neighbours do: each gap is the
+/// smallest of those that the points have one by one, in whatever order they stand.
+template <int dim>
+void expect_gaps_of_single_points(double reach) {
+  const auto solver = mpm_solver<dim>(lifted_block<dim>("facets"));
+  const mpm::ContactSurface<dim>& surface = solver->surfaces().settings(0).surface;
+  const auto start = solver->surfaces().fields(0, solver->points(), reach);
+  const mpm::ContactFields<dim> none(start.vertices, start.gap.size());
+  const auto sphere_of = [](std::int32_t) {
+    return mpm::ContactSphere<dim>{0.02 * Matrix<dim>::Identity(), Vector<dim>::Zero()};
+  };
+  mpm::MaterialPoints<dim> all;
+  mpm::ContactFields<dim> expected = none, found = none;
+  for (int k = 0; k < 100; ++k) {
+    Vector<dim> x;
+    for (int d = 0; d < dim; ++d) x[d] = std::fmod((k + 1) * (0.618034 + 0.1357 * d), 1.0);
+    mpm::MaterialPoints<dim> one;
+    for (auto* points : {&all, &one}) {
+      points->x.push_back(x);
+      points->V0.push_back(1e-3);
+      points->J.push_back(1);
+    }
+    mpm::ContactFields<dim> fields = none;
+    mpm::add_gaps<dim>(surface, one, sphere_of, reach, fields);
+    for (std::size_t f = 0; f < fields.gap.size(); ++f) {
+      expected.gap[f] = std::min(expected.gap[f], fields.gap[f]);
+    }
+  }
+  mpm::add_gaps<dim>(surface, all, sphere_of, reach, found);
+  EXPECT_EQ(found.gap, expected.gap);
+  EXPECT_TRUE(std::any_of(found.gap.begin(), found.gap.end(), [](double g) { return g < 1; }));
+}
+
+TEST(ContactOutput, gaps_of_scattered_points) {
+  for (const double reach : {0.01, 0.05, 0.3}) {
+    expect_gaps_of_single_points<2>(reach);
+    expect_gaps_of_single_points<3>(reach);
+  }
 }
 
 /// Soil that moves along the floor faster than friction holds it: slides, at its velocity.

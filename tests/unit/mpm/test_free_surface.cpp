@@ -57,7 +57,8 @@ struct Block {
     EXPECT_TRUE(find_cells(grid, points).empty());
     const std::vector<std::int32_t> bodies = {0};
     return mpm::find_free_surface<dim>(
-        {.grid = grid, .points = points, .walls = walls, .surfaces = sights}, bodies);
+        {.comm = MPI_COMM_NULL, .grid = grid, .points = points, .walls = walls, .surfaces = sights},
+        bodies);
   }
 };
 

@@ -61,7 +61,10 @@ struct Path {
     for (auto& state : soil.points.history) state.e.template head<3>().setConstant(-0.02);
     soil.to_grid();
     if (remembers_internal(law)) mpm::add_internal(soil.points);
-    path = {.history = soil.points.history, .internal = soil.points.internal};
+    path = {.history = soil.points.history,
+            .internal = soil.points.internal,
+            .variables = {},
+            .F = {}};
     context.grid = &soil.grid;
     internal.emplace(mpm::StressParts<dim>{.bodies = soil.bodies,
                                            .points = soil.points,

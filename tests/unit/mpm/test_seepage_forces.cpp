@@ -28,7 +28,8 @@ struct WetBalance {
   BlockMatrix<block> K;
   mpm::DrainedNodes drained;
 
-  WetBalance(mpm::Basis basis, bool averages, bool with_inertia, bool kozeny_carman = false)
+  WetBalance(mpm::Basis basis, bool averages, bool with_inertia, bool kozeny_carman = false,
+             const mpm::PoolLevels& pools = {})
       : soil(dim == 2 ? CellType::quad4 : CellType::hex8, seepage_cells, basis) {
     soil.grid.splits_border = averages && basis == mpm::Basis::bspline;
     soil.fill(1 << dim, 1.5);
@@ -60,7 +61,8 @@ struct WetBalance {
                                   .dt = dt,
                                   .cell_size = h,
                                   .inertia_slope = with_inertia ? scheme.inertia_slope(dt) : 0,
-                                  .averages = averages});
+                                  .averages = averages,
+                                  .pools = pools});
     equilibrium.emplace(typename mpm::Equilibrium<dim>::Parts{.comm = comm(),
                                                               .grid = soil.grid,
                                                               .bodies = soil.bodies,
@@ -152,6 +154,43 @@ TEST(SeepageTangent, agrees_with_differences_where_water_leaves_and_the_permeabi
     EXPECT_LT(plane.error(plane.random_unknowns(0.02), 1e-4), 1e-7);
     EXPECT_GT(plane.water->outflow(), 0);
   });
+}
+
+/// Two pools whose levels cut the soil, and of which the water is heavy.
+mpm::PoolLevels two_pools() {
+  std::vector<mpm::Pool> pools(2);
+  pools[0].to = 0.3;
+  pools[0].table = {{0, 0.9}};
+  pools[1].from = 0.8;
+  pools[1].table = {{0, 0.4}};
+  return {pools, 0, 4e3};
+}
+
+TEST(SeepageTangent, agrees_with_differences_under_pools) {
+  for_each_form([](mpm::Basis basis, bool averages, bool inertia) {
+    WetBalance<2> plane(basis, averages, inertia, true, two_pools());
+    plane.open();
+    EXPECT_LT(plane.error(plane.random_unknowns(0.02), 1e-4), 1e-7);
+    EXPECT_NE(plane.water->inflow_work(), 0);
+  });
+  WetBalance<3> space(mpm::Basis::gimp, true, false, true, two_pools());
+  EXPECT_LT(space.error(space.random_unknowns(0.01), 1e-4), 1e-7);
+}
+
+/// What a pool does to soil that does not move is its buoyancy, whatever the cells.
+TEST(SeepageForces, force_of_a_pool_is_the_weight_of_its_water) {
+  std::vector<mpm::Pool> pools(1);
+  pools[0].table = {{0, 5}};
+  for (const bool averages : {false, true}) {
+    WetBalance<2> plane(mpm::Basis::gimp, averages, false, false, {pools, 0, 4e3});
+    plane.residual(Eigen::VectorXd::Zero(plane.soil.nodes.size() * 3));
+    double volume = 0;
+    const auto& points = plane.soil.points;
+    for (std::int32_t p = 0; p < points.size(); ++p) volume += points.V0[p] * points.J[p];
+    const Vector<2> force = plane.water->pool_force();
+    EXPECT_NEAR(force[1], 4e3 * volume, 1e-9 * 4e3 * volume);
+    EXPECT_NEAR(force[0], 0, 1e-9 * 4e3 * volume);
+  }
 }
 
 TEST(SeepageTangent, agrees_with_differences_in_space) {

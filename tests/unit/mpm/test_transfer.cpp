@@ -210,6 +210,8 @@ TEST(MaterialPoints, every_field_loses_the_points_that_are_removed) {
   add_gradients(soil.points);
   soil.points.water.assign(6, 0.4);
   soil.points.internal.assign(6, InternalState(1, 2));
+  soil.points.variables.assign(6, mpm::StateVariables::Zero());
+  soil.points.parameters.assign(6, mpm::VaryingParameters::Zero());
   const auto before = soil.points;
   const std::vector<std::int32_t> which = {0, 3, 4};
   mpm::remove_points<2>(which, soil.points);

@@ -72,9 +72,10 @@ TEST(Fluid, stays_at_rest_under_its_weight) {
     for (const double depth : {0.5, 0.5 + 1.0 / 32}) {
       verify(
           {.id = "fluid",
-           .what = fmt::format("at rest in a tank, {} steps, surface {} a cell: largest way of a "
-                               "point in 0.4 s over the size of a cell",
-                               scheme, depth == 0.5 ? "at the edge of" : "in the middle of"),
+           .what = fmt::format(
+               "P9, water alone, at rest in a tank, {} steps, surface {} a cell: largest way of a "
+               "point in 0.4 s over the size of a cell",
+               scheme, depth == 0.5 ? "at the edge of" : "in the middle of"),
            .exact = 0,
            .computed = largest_way({.length = 0.5, .depth = depth, .scheme = scheme}),
            .measure = Measure::absolute_error,
@@ -120,8 +121,8 @@ TEST(Fluid, sloshes_with_the_period_of_gravity_waves) {
     const Tank tank{.cell = 1.0 / cells, .scheme = scheme};
     const double k = std::numbers::pi / tank.length;
     verify({.id = "fluid",
-            .what = fmt::format("wave in a tank, {} x {} cells, {} steps: period", cells, cells / 2,
-                                scheme),
+            .what = fmt::format("N11, wave in a tank, {} x {} cells, {} steps: period", cells,
+                                cells / 2, scheme),
             .exact = 2 * std::numbers::pi / std::sqrt(g * k * std::tanh(k * tank.depth)),
             .computed = sloshing_period(tank),
             .bound = bound,
@@ -177,9 +178,10 @@ TEST(Fluid, falls_between_walls_with_the_speed_of_its_viscosity) {
                                                 {"explicit", 300.0, 0.05}}) {
     const FallingColumn column{.viscosity = viscosity, .scheme = scheme};
     verify({.id = "fluid",
-            .what = fmt::format("column between rough walls, {} Pa s, {} steps, 10 cells: mean "
-                                "speed after {} s, extrapolated in the length of the column",
-                                viscosity, scheme, time),
+            .what = fmt::format(
+                "N2, Poiseuille, column between rough walls, {} Pa s, {} steps, 10 cells: mean "
+                "speed after {} s, extrapolated in the length of the column",
+                viscosity, scheme, time),
             .exact = column.speed(time),
             .computed = 2 * column.computed(time, 0.8) - column.computed(time, 0.4),
             .bound = 0.02,
@@ -221,13 +223,13 @@ TEST(Fluid, film_starts_down_a_slope) {
     return sum / count;
   };
   verify({.id = "fluid",
-          .what = "film down a slope, 15 cells, explicit steps: speed at the surface",
+          .what = "N2, film down a slope, 15 cells, explicit steps: speed at the surface",
           .exact = 0.197746 * u_ref,
           .computed = mean_speed(depth - h, depth + h),
           .bound = 0.02,
           .unit = "m/s"});
   verify({.id = "fluid",
-          .what = "the same in the middle",
+          .what = "N2, the same in the middle",
           .exact = 0.176878 * u_ref,
           .computed = mean_speed(depth / 2 - h, depth / 2 + h),
           .bound = 0.02,
@@ -266,21 +268,21 @@ TEST(Fluid, breaks_out_as_shallow_water) {
   const std::string what = "dam break on a dry bed, 10 cells, after 10 sqrt(h / g): ";
   const std::string limitation = "water that is not shallow at the start";
   verify({.id = "fluid",
-          .what = what + "volume past the gate",
+          .what = "N9, " + what + "volume past the gate",
           .exact = 8. / 27 * h * path,
           .computed = passed,
           .bound = 0.03,
           .unit = "m^2",
           .limitation = limitation});
   verify({.id = "fluid",
-          .what = what + "depth at the gate",
+          .what = "N9, " + what + "depth at the gate",
           .exact = 4. / 9 * h,
           .computed = at_gate,
           .bound = 0.03,
           .unit = "m",
           .limitation = limitation});
   verify({.id = "fluid",
-          .what = what + "front",
+          .what = "N9, " + what + "front",
           .exact = 2 * path,
           .computed = front,
           .bound = 0.1,

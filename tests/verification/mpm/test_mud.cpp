@@ -64,9 +64,10 @@ double steady_speed(double n) {
 void verify_flow(const std::string& scheme, double n) {
   const double shorter = mean_speed({scheme, n, 0.6}), longer = mean_speed({scheme, n, 1.2});
   verify({.id = "mud",
-          .what = fmt::format("column between rough walls, flow index {}, {} steps, 10 cells: mean "
-                              "speed, extrapolated in the length of the column",
-                              n, scheme),
+          .what =
+              fmt::format("N4, column between rough walls, flow index {}, {} steps, 10 cells: mean "
+                          "speed, extrapolated in the length of the column",
+                          n, scheme),
           .exact = steady_speed(n),
           .computed = 2 * longer - shorter,
           .bound = 0.01,
