@@ -115,8 +115,13 @@ StressIntegral LineBlock<dim>::add_internal(std::span<const double> u, std::span
               .fault = "no length",
               .energy = result.energy};
     }
-    for (const Share& share : shares(k)) {
-      at<dim>(f_int, share.node) += (share.second - share.first) * (line.force * e);
+    if (has_plain_ends(k)) {
+      at<dim>(f_int, shares(k)[1].node) += line.force * e;
+      at<dim>(f_int, shares(k)[0].node) -= line.force * e;
+    } else {
+      for (const Share& share : shares(k)) {
+        at<dim>(f_int, share.node) += (share.second - share.first) * (line.force * e);
+      }
     }
     if (!K) continue;
     const Matrix<dim> along = e * e.transpose();
@@ -141,12 +146,19 @@ void LineBlock<dim>::add_mass_times(std::span<const double> a, std::span<double>
   if (beams_) beams_->add_rotary_mass_times(a, f);
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     const double mass = material_.density * material_.area * free_lengths_[k];
+    const double own = lumped_mass_ ? 1.0 / 2 : 1.0 / 3, other = 0.5 - own;
+    if (has_plain_ends(k)) {
+      const std::int32_t i = shares(k)[0].node, j = shares(k)[1].node;
+      const Vector<dim> a_1 = at<dim>(a, i), a_2 = at<dim>(a, j);
+      at<dim>(f, i) += mass * (own * a_1 + other * a_2);
+      at<dim>(f, j) += mass * (own * a_2 + other * a_1);
+      continue;
+    }
     Vector<dim> a_1 = Vector<dim>::Zero(), a_2 = Vector<dim>::Zero();
     for (const Share& share : shares(k)) {
       a_1 += share.first * at<dim>(a, share.node);
       a_2 += share.second * at<dim>(a, share.node);
     }
-    const double own = lumped_mass_ ? 1.0 / 2 : 1.0 / 3, other = 0.5 - own;
     const Vector<dim> f_1 = mass * (own * a_1 + other * a_2);
     const Vector<dim> f_2 = mass * (own * a_2 + other * a_1);
     for (const Share& share : shares(k)) {

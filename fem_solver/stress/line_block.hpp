@@ -81,6 +81,12 @@ class LineBlock {
   std::span<const Share> shares(std::size_t k) const {
     return std::span(shares_).subspan(starts_[k], starts_[k + 1] - starts_[k]);
   }
+  /// Whether its ends are nodes that nothing else moves.
+  bool has_plain_ends(std::size_t k) const {
+    const auto own = shares(k);
+    return own.size() == 2 && own[0].first == 1 && own[0].second == 0 && own[1].first == 0 &&
+           own[1].second == 1;
+  }
   void add_pair(std::size_t k, const Matrix<dim>& S, BlockMatrix<dim>& K,
                 std::vector<double>& memory) const;
 
