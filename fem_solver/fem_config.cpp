@@ -31,11 +31,6 @@ std::vector<std::string> allowed_components() {
   return {component_names, component_names + dim};
 }
 
-template <int dim>
-Vector<dim> read_vector(ConfigReader& in, const std::string& key) {
-  return Eigen::Map<const Vector<dim>>(in.vector(key, dim).data());
-}
-
 /// Components by their numbers, each of the allowed ones once.
 std::vector<int> numbers_of(const ConfigReader& in, const std::string& key,
                             const std::vector<std::string>& words,
@@ -182,20 +177,18 @@ void require_support(const ConfigReader& in, const FemSettings<dim>& s) {
   }
 }
 
-/// Of facets and around beams.
+/// Names of interfaces on facets and around beams, and the groups of these.
 template <int dim>
 void require_distinct_interfaces(const ConfigReader& in, const FemSettings<dim>& s) {
-  std::set<std::string> names;
-  const auto add = [&](const std::string& name) {
-    if (names.insert(name).second) return;
-    in.fail("interfaces",
-            fmt::format("found the name \"{}\" a second time, allowed: distinct names", name));
-  };
+  std::set<std::string> names, groups;
+  for (const auto& item : s.interfaces) names.insert(item.name);
   require_distinct_names(in, "interfaces", s.interfaces);
-  for (const auto& item : s.interfaces) add(item.name);
-  std::set<std::string> groups;
   for (const auto& item : s.beam_surfaces) {
-    add(item.name);
+    if (!names.insert(item.name).second) {
+      in.fail(
+          "interfaces",
+          fmt::format("found the name \"{}\" a second time, allowed: distinct names", item.name));
+    }
     for (const std::string& group : item.groups) {
       if (groups.insert(group).second) continue;
       throw ConfigError(item.where + ": found \"" + group +

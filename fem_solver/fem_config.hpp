@@ -14,12 +14,12 @@
 #include "common/mechanics/time_integration/newmark.hpp"
 #include "common/settings/config_reader.hpp"
 #include "common/settings/scene.hpp"
+#include "common/settings/time_function.hpp"
 #include "fem_solver/beams/beam_nodes.hpp"
 #include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/materials/line_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
 #include "fem_solver/stress/embedded_nodes.hpp"
-#include "fem_solver/time/time_function.hpp"
 
 namespace gabion::fem {
 

@@ -12,11 +12,6 @@ TimeFunction read_factor(ConfigReader& in) {
 
 namespace {
 
-template <int dim>
-Vector<dim> read_numbers(ConfigReader& in, const std::string& key) {
-  return Eigen::Map<const Vector<dim>>(in.vector(key, dim).data());
-}
-
 /// Read the place at which a load, mass or spring acts.
 template <int dim, class Settings>
 void read_place(ConfigReader& in, Settings& s) {
@@ -24,7 +19,7 @@ void read_place(ConfigReader& in, Settings& s) {
     in.fail("point", "allowed: either \"point\" (coordinates of a node) or \"group\"");
   }
   if (in.has("point")) {
-    s.point = read_numbers<dim>(in, "point");
+    s.point = read_vector<dim>(in, "point");
     s.where = in.where("point");
   } else {
     s.group = in.text("group");
@@ -47,7 +42,7 @@ template <int dim>
 SpringSettings<dim> read_spring(ConfigReader in) {
   SpringSettings<dim> s;
   read_place<dim>(in, s);
-  s.stiffness = read_numbers<dim>(in, "stiffness");
+  s.stiffness = read_vector<dim>(in, "stiffness");
   if (s.stiffness.isZero(0)) in.fail("stiffness", "found zero in all directions, allowed: > 0");
   in.finish();
   return s;
@@ -57,7 +52,7 @@ template <int dim>
 DashpotSettings<dim> read_dashpot(ConfigReader in) {
   DashpotSettings<dim> s;
   read_place<dim>(in, s);
-  s.damping = read_numbers<dim>(in, "damping");
+  s.damping = read_vector<dim>(in, "damping");
   if (s.damping.isZero(0)) in.fail("damping", "found zero in all directions, allowed: > 0");
   in.finish();
   return s;
@@ -67,7 +62,7 @@ template <int dim>
 LoadSettings<dim> read_load(ConfigReader in) {
   LoadSettings<dim> load;
   read_place<dim>(in, load);
-  load.force = read_numbers<dim>(in, "force");
+  load.force = read_vector<dim>(in, "force");
   if (in.has("moment")) {
     const auto moment = in.vector("moment", dim == 2 ? 1 : 3);
     for (std::size_t k = 0; k < moment.size(); ++k) load.moment[dim == 2 ? 2 : k] = moment[k];

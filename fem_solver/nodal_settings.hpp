@@ -6,6 +6,11 @@
 
 namespace gabion::fem {
 
+template <int dim>
+Vector<dim> read_vector(ConfigReader& in, const std::string& key) {
+  return Eigen::Map<const Vector<dim>>(in.vector(key, dim).data());
+}
+
 // Read what acts at a point or on the nodes of a group.
 
 template <int dim>

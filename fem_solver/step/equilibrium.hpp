@@ -102,6 +102,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   const TangentPoint& last_tangent() const { return last_tangent_; }
 
   const CellIntegrals<dim>& cells() const { return cells_; }
+  const EmbeddedNodes<dim>& embedded() const { return embedded_; }
   const NewmarkBossak& scheme() const { return scheme_; }
   std::size_t num_dofs() const { return num_dofs_; }  ///< of the held nodes
   std::int32_t num_nodes_of_all() const { return num_nodes_of_all_; }

@@ -67,10 +67,12 @@ StructureState StructureStep<dim>::state_of(std::vector<double> u, std::vector<d
     u[dofs[k]] = constrained_u[k];
     v[dofs[k]] = 0;
   }
+  for (auto* y : {&u, &v}) equilibrium_.embedded().follow(*y);
   state.motion = {.u = std::move(u), .v = std::move(v), .a = {}};
   equilibrium_.set_history(nullptr);
   if (dynamic_) {
     state.motion.a = equilibrium_.initial_acceleration(state.motion, state.f_ext);
+    equilibrium_.embedded().follow(state.motion.a);
     state.balanced = true;
   } else {
     state.motion.a.assign(equilibrium_.num_dofs(), 0.0);
@@ -142,7 +144,8 @@ bool StructureStep<dim>::nothing_changes(const StructureState& state_n, const Ex
   const auto dofs = conditions_.constrained_dofs();
   bool same = true;
   for (std::size_t k = 0; k < dofs.size() && same; ++k) {
-    same = constrained_u[k] == state_n.motion.u[dofs[k]];
+    same = constrained_u[k] == state_n.motion.u[dofs[k]] ||
+           equilibrium_.embedded().contains(static_cast<std::int32_t>(dofs[k] / dim));
   }
   return shared().all(same && state_n.motion.is_still() && f.end == state_n.f_ext &&
                       f.step == state_n.f_step);
@@ -319,6 +322,7 @@ void StructureStep<dim>::complete(const StructureState& state_n, double dt, Stru
       trial.motion.v[i] += dt * scheme.step_force_velocity() * a[i];
       trial.motion.a[i] -= scheme.step_force_acceleration() * a[i];
     }
+    for (auto* y : {&trial.motion.v, &trial.motion.a}) equilibrium_.embedded().follow(*y);
     // The balance has c times the change of the mean forces, the supports bear it once.
     const std::vector<double> inertia = equilibrium_.mass_times(a);
     for (const auto dof : conditions_.constrained_dofs()) {

@@ -77,8 +77,7 @@ void CellIntegrals<dim>::make_blocks(const Mesh<dim>& mesh,
 template <int dim>
 void CellIntegrals<dim>::make_line_blocks(const Mesh<dim>& mesh, const LinesOfMesh<dim>& lines,
                                           bool lumped, const MeshRanks& ranks) {
-  const EmbeddedNodes<dim> none;
-  const EmbeddedNodes<dim>& embedded = lines.embedded ? *lines.embedded : none;
+  const EmbeddedNodes<dim>& embedded = lines.nodes_inside();
   auto of_materials = lines_of_materials<dim>(mesh, lines.materials, ranks);
   std::vector<char> is_beam(static_cast<std::size_t>(mesh.num_lines()), 0);
   for (std::size_t m = 0; m < lines.materials.size(); ++m) {

@@ -48,8 +48,7 @@ LineBlock<dim>::LineBlock(const Mesh<dim>& mesh, const LineMaterial& material,
       lines_(std::move(lines)),
       num_cells_(mesh.num_cells()),
       lumped_mass_(lumped_mass) {
-  const EmbeddedNodes<dim> none;
-  const EmbeddedNodes<dim>& embedded = of.embedded ? *of.embedded : none;
+  const EmbeddedNodes<dim>& embedded = of.nodes_inside();
   if (material_.beam) beams_.emplace(mesh, material_, lines_, of.beam_nodes);
   for (const std::int32_t l : lines_) {
     const auto ends = mesh.line(l);

@@ -23,6 +23,11 @@ struct LinesOfMesh {
   std::span<const LineMaterial> materials{};
   BeamNodes beam_nodes{};
   const EmbeddedNodes<dim>* embedded = nullptr;
+
+  const EmbeddedNodes<dim>& nodes_inside() const {
+    static const EmbeddedNodes<dim> none;
+    return embedded ? *embedded : none;
+  }
 };
 
 /// Line cells of one material: straight between two nodes, one force each. Histories given to its

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <numbers>
 #include <variant>
 
@@ -29,7 +30,7 @@ double largest_pressure(const MpmSettings<dim>& settings) {
 // @param where  of the softening, and of the point where constants vary
 template <int dim>
 void check_soil(const SofteningSoil<dim>& soil, double widest, double pressure,
-                const std::string& where) {
+                const std::function<std::string()>& where) {
   const bool by_slip = soil.parameters().by_slip;
   const double rate = by_slip ? std::numbers::sqrt3 * widest : 1;
   const double steepness = snap_back(soil.surface(), rate, pressure);
@@ -39,7 +40,7 @@ void check_soil(const SofteningSoil<dim>& soil, double widest, double pressure,
         "{}: found a strength that falls {:.3g} times as fast with the shear as the stress of a "
         "point can unload, {}with a shear modulus of {:.3g} Pa, allowed: less than as fast; {}a "
         "shear modulus above {:.3g} Pa",
-        where, steepness,
+        where(), steepness,
         by_slip ? fmt::format("in shear bands {:.3g} m wide (which the cells of the grid make) ",
                               widest)
                 : "",
@@ -69,14 +70,14 @@ void require_no_snap_back(const MpmSettings<dim>& settings) {
     if (soil == nullptr) continue;
     const std::string where = fmt::format("{}/{}/material/softening", settings.bodies_where, b);
     if (b >= settings.varying.size() || !settings.varying[b]) {
-      check_soil(*soil, widest, pressure, where);
+      check_soil(*soil, widest, pressure, [&] { return where; });
       continue;
     }
-    settings.varying[b]->for_each_point(
-        settings.layouts[b], [&](const std::string& place, const Material<dim>& material) {
-          check_soil(std::get<SofteningSoil<dim>>(material.law), widest, pressure,
-                     where + ", " + place);
-        });
+    const VaryingMaterial<dim>& varying = *settings.varying[b];
+    varying.for_each_point(settings.layouts[b], [&](const auto& point) {
+      check_soil(std::get<SofteningSoil<dim>>(point.material.law), widest, pressure,
+                 [&] { return where + ", " + varying.place_of(point.id, point.x); });
+    });
   }
 }
 

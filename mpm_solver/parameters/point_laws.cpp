@@ -10,9 +10,18 @@
 
 namespace gabion::mpm {
 
+namespace {
+
+template <int dim>
+bool any_varies(const VaryingMaterials<dim>& materials) {
+  return std::ranges::any_of(materials, [](const auto& each) { return each != nullptr; });
+}
+
+}  // namespace
+
 template <int dim>
 void add_parameters(const VaryingMaterials<dim>& materials, MaterialPoints<dim>& points) {
-  if (std::ranges::all_of(materials, [](const auto& each) { return each == nullptr; })) return;
+  if (!any_varies<dim>(materials)) return;
   points.parameters.assign(points.x.size(), VaryingParameters::Zero());
   for (std::size_t b = 0; b < materials.size(); ++b) {
     if (!materials[b]) continue;
@@ -35,9 +44,7 @@ std::size_t PointLaws<dim>::Hash::operator()(const VaryingParameters& values) co
 
 template <int dim>
 PointLaws<dim>::PointLaws(VaryingMaterials<dim> materials) : materials_(std::move(materials)) {
-  if (std::ranges::all_of(materials_, [](const auto& each) { return each == nullptr; })) {
-    materials_.clear();
-  }
+  if (!any_varies<dim>(materials_)) materials_.clear();
   laws_.resize(materials_.size());
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mpm_solver/parameters/varying_material.hpp"
+#include "mpm_solver/points/laws_of_points.hpp"
 
 namespace gabion::mpm {
 
@@ -38,7 +39,7 @@ class PointLaws {
   void follow(const MaterialPoints<dim>& points);
 
   /// Law of each point, null: that of its body; empty where no body has constants that vary.
-  std::span<const MaterialLaw<dim>* const> of_points() const { return of_points_; }
+  LawsOfPoints<dim> of_points() const { return of_points_; }
 
   /// The same laws with reduced strength (with_reduced_strength).
   PointLaws reduced(double factor) const;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/materials/read_umat.hpp"
 #include "common/settings/plausible.hpp"
@@ -174,10 +175,11 @@ struct VaryingReader {
     return sources;
   }
 
-  int column(const std::string& name) {
+  std::size_t column(const std::string& name) {
     const auto found = std::ranges::find(result.names_, name);
+    const auto number = static_cast<std::size_t>(found - result.names_.begin());
     if (found == result.names_.end()) result.names_.push_back(name);
-    return static_cast<int>(std::ranges::find(result.names_, name) - result.names_.begin());
+    return number;
   }
 
   void read_layer(ConfigReader& item, const std::string& stream) {
@@ -197,8 +199,7 @@ struct VaryingReader {
                   "found, but none in the material itself, allowed: a constant that the soil above "
                   "the first layer has too");
       }
-      layer.columns.push_back(column(source.name));
-      layer.sources.push_back(std::move(source.source));
+      layer.sources.emplace(column(source.name), std::move(source.source));
     }
     item.finish();
     result.layers_.push_back(std::move(layer));
@@ -254,46 +255,53 @@ struct VaryingReader {
   void choose_law(std::size_t number, Body<dim>& body) {
     result.body_ = number;
     double stiffest = 0;
-    result.for_each_point(layout, [&](const std::string&, const Material<dim>& material) {
+    std::optional<VaryingParameters> least, largest;
+    std::vector<char> is_used(result.layers_.size(), 0);
+    result.for_each_point(layout, [&](const auto& point) {
       const auto [M, symmetric] = std::visit(
           [](const auto& law) { return std::pair(law.p_wave_modulus(), law.symmetric_tangent()); },
-          material.law);
+          point.material.law);
       result.symmetric_ &= symmetric;
+      least = least ? least->cwiseMin(point.values).eval() : point.values;
+      largest = largest ? largest->cwiseMax(point.values).eval() : point.values;
+      for (const int layer : result.layers_at(point.x)) {
+        if (layer >= 0) is_used[layer] = 1;
+      }
       if (!(M > stiffest)) return;
       stiffest = M;
-      body.material = material;
+      body.material = point.material;
     });
     body.varying = result.names_;
-    warn_of_range();
-  }
-
-  void warn_of_range() const {
-    MaterialPoints<dim> points;
-    lay_points<dim>(layout, 1, {}, points);
-    VaryingParameters least = result.at(points.x.front()), largest = least;
-    for (const Vector<dim>& x : points.x) {
-      const VaryingParameters values = result.at(x);
-      least = least.cwiseMin(values);
-      largest = largest.cwiseMax(values);
+    warn_of_implausible(*least);
+    if (*largest != *least) warn_of_implausible(*largest);
+    for (std::size_t k = 0; k < is_used.size(); ++k) {
+      if (is_used[k] != 0) continue;
+      log::warn(
+          "{}: no material point of \"{}\" has the constants of this layer; layers are given "
+          "from above to below, and the last one whose surface lies above a point counts",
+          result.layers_[k].where, place.body);
     }
-    warn_of_implausible(least);
-    if (largest != least) warn_of_implausible(largest);
   }
 };
 
 template <int dim>
+std::array<int, most_varying> VaryingMaterial<dim>::layers_at(const Vector<dim>& x) const {
+  std::array<int, most_varying> layer;
+  layer.fill(-1);
+  for (std::size_t k = 0; k < layers_.size(); ++k) {
+    if (!(x[dim - 1] < layers_[k].below.at(x))) continue;
+    for (const auto& [column, source] : layers_[k].sources) layer[column] = static_cast<int>(k);
+  }
+  return layer;
+}
+
+template <int dim>
 VaryingParameters VaryingMaterial<dim>::at(const Vector<dim>& x) const {
   VaryingParameters values = VaryingParameters::Zero();
-  std::vector<const ValueSource<dim>*> source;
-  for (const auto& above : sources_) source.push_back(&above);
-  for (const Layer& layer : layers_) {
-    if (!(x[dim - 1] < layer.below.at(x))) continue;
-    for (std::size_t k = 0; k < layer.columns.size(); ++k) {
-      source[layer.columns[k]] = &layer.sources[k];
-    }
-  }
-  for (std::size_t k = 0; k < source.size(); ++k) {
-    values[static_cast<Eigen::Index>(k)] = source[k]->at(x);
+  const auto layer = layers_at(x);
+  for (std::size_t k = 0; k < sources_.size(); ++k) {
+    const ValueSource<dim>& source = layer[k] < 0 ? sources_[k] : layers_[layer[k]].sources.at(k);
+    values[static_cast<Eigen::Index>(k)] = source.at(x);
   }
   return values;
 }
@@ -308,24 +316,28 @@ Material<dim> VaryingMaterial<dim>::with(const VaryingParameters& values) const 
 }
 
 template <int dim>
+std::string VaryingMaterial<dim>::place_of(std::int64_t id, const Vector<dim>& x) const {
+  return fmt::format("material point {} of \"{}\" at ({:.6g})", id, body_name_,
+                     fmt::join(x.data(), x.data() + dim, ", "));
+}
+
+template <int dim>
 void VaryingMaterial<dim>::for_each_point(const PointLayout<dim>& layout,
-                                          const Visit& visit) const {
+                                          const std::function<void(const Point&)>& visit) const {
   MaterialPoints<dim> points;
   lay_points<dim>(layout, 1, {}, points);
   std::optional<VaryingParameters> last;
   Material<dim> material;
   for (std::int32_t p = 0; p < points.size(); ++p) {
     const Vector<dim>& x = points.x[p];
-    const std::string place = fmt::format("material point {} of \"{}\" at ({:.6g})", points.id[p],
-                                          body_name_, fmt::join(x.data(), x.data() + dim, ", "));
     try {
       const VaryingParameters values = at(x);
       if (!last || *last != values) material = with(values);
       last = values;
     } catch (const ConfigError& error) {
-      throw ConfigError(fmt::format("{}; {}", error.what(), place));
+      throw ConfigError(fmt::format("{}; {}", error.what(), place_of(points.id[p], x)));
     }
-    visit(place, material);
+    visit({points.id[p], x, *last, material});
   }
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -33,10 +35,18 @@ class VaryingMaterial {
   /// The material with these values. @throws ConfigError  names the first bad one
   Material<dim> with(const VaryingParameters& values) const;
 
-  /// Visit the material of each point that the body will have: visit(place in words, material).
-  /// @throws ConfigError  with the place of the first bad value
-  using Visit = std::function<void(const std::string&, const Material<dim>&)>;
-  void for_each_point(const PointLayout<dim>& layout, const Visit& visit) const;
+  /// A point that the body will have.
+  struct Point {
+    std::int64_t id;
+    Vector<dim> x;
+    VaryingParameters values;
+    const Material<dim>& material;
+  };
+  /// Visit them. @throws ConfigError  with the place of the first bad value
+  void for_each_point(const PointLayout<dim>& layout,
+                      const std::function<void(const Point&)>& visit) const;
+  /// A point in words.
+  std::string place_of(std::int64_t id, const Vector<dim>& x) const;
 
   /// Whether the law has a symmetric tangent at all points; known once it was read.
   bool symmetric() const { return symmetric_; }
@@ -47,9 +57,11 @@ class VaryingMaterial {
 
   struct Layer {
     HeightSurface<dim> below;
-    std::vector<int> columns;  // of names_
-    std::vector<ValueSource<dim>> sources;
+    std::map<std::size_t, ValueSource<dim>> sources;  // by column of names_
+    std::string where;
   };
+  // The layer that gives each constant at a place, -1: none.
+  std::array<int, most_varying> layers_at(const Vector<dim>& x) const;
 
   std::vector<std::string> names_;
   std::vector<ValueSource<dim>> sources_;  // of names_, above all layers

@@ -335,8 +335,7 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
   for (std::int32_t p = points.body_starts[at_rest.number];
        p < points.body_starts[at_rest.number + 1]; ++p) {
     const double d = stress.surface - points.x[p][dim - 1];
-    const bool own = !at_rest.laws.empty() && at_rest.laws[p] != nullptr;
-    const MaterialLaw<dim>& law = own ? *at_rest.laws[p] : body.material.law;
+    const MaterialLaw<dim>& law = law_of<dim>(at_rest.laws, p, body.material.law);
     const auto soil = geostatic<dim>(stress, at_rest, law, d);
     StressUpdate<dim> now;
     const auto* umat = std::get_if<Umat<dim>>(&law);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/settings/config_reader.hpp"
+#include "mpm_solver/points/laws_of_points.hpp"
 #include "mpm_solver/points/material_points.hpp"
 #include "mpm_solver/points/pool.hpp"
 
@@ -53,9 +54,9 @@ void take_water_table(const ConfigReader& in, const Mesh<dim>& mesh, const Initi
 template <int dim>
 struct BodyAtRest {
   const Body<dim>& body;
-  std::int32_t number = 0;                             ///< of the body
-  Vector<dim> gravity = Vector<dim>::Zero();           ///< downwards along the last axis [m/s^2]
-  std::span<const MaterialLaw<dim>* const> laws = {};  ///< of the points, see StressParts::laws
+  std::int32_t number = 0;                    ///< of the body
+  Vector<dim> gravity = Vector<dim>::Zero();  ///< downwards along the last axis [m/s^2]
+  LawsOfPoints<dim> laws = {};                ///< of the points, see LawsOfPoints
 };
 
 /// Put the points of one body under geostatic stress. Their positions are those of the stressed

@@ -7,16 +7,6 @@
 
 namespace gabion::mpm {
 
-double Pool::level(double time) const {
-  if (time <= table.front()[0]) return table.front()[1];
-  if (time >= table.back()[0]) return table.back()[1];
-  const auto after =
-      std::ranges::upper_bound(table, time, {}, [](const auto& row) { return row[0]; });
-  const auto& before = *(after - 1);
-  const double s = (time - before[0]) / ((*after)[0] - before[0]);
-  return (1 - s) * before[1] + s * (*after)[1];
-}
-
 KeyTable pool_keys() {
   return {
       "pool",
@@ -24,11 +14,9 @@ KeyTable pool_keys() {
       "below its level, and feeds the free surface of the soil there. Between pools the level is "
       "interpolated along x; a dry side is a pool whose level is below the soil.",
       {key::number("level", "m", "Height of its surface, constant.").or_none(),
-       key::rows("table", "s, m",
-                 "Rows [t, level], t increasing, linear between rows and held before and after.")
-           .wide(2, 2)
-           .not_empty()
-           .or_none(),
+       time_table_key("m",
+                      "Rows [t, level], t increasing, linear between rows and held before and "
+                      "after."),
        key::number("from", "m", "x where it begins; none, of the first pool: it has no end there.")
            .or_none(),
        key::number("to", "m", "x where it ends; none, of the last pool: it has no end there.")
@@ -40,21 +28,10 @@ namespace {
 
 Pool read_pool(ConfigReader in) {
   Pool pool;
-  pool.where = in.where("level");
   if (in.has("level") == in.has("table")) {
     in.fail("level", "allowed: exactly one of \"level\" and \"table\"");
   }
-  if (in.has("level")) {
-    pool.table = {{0, in.number("level")}};
-  } else {
-    pool.table = in.rows("table", 2);
-    for (std::size_t k = 1; k < pool.table.size(); ++k) {
-      if (pool.table[k][0] > pool.table[k - 1][0]) continue;
-      in.fail(fmt::format("table/{}", k),
-              fmt::format("found time {} after {}, allowed: increasing times", pool.table[k][0],
-                          pool.table[k - 1][0]));
-    }
-  }
+  pool.level = in.has("level") ? TimeFunction::constant(in.number("level")) : read_time_table(in);
   pool.from = in.optional_number("from").value_or(pool.from);
   pool.to = in.optional_number("to").value_or(pool.to);
   if (!(pool.from < pool.to)) {
@@ -96,24 +73,28 @@ std::vector<Pool> read_pools(ConfigReader& in) {
 
 PoolLevels::PoolLevels(std::span<const Pool> pools, double time, double specific_weight)
     : weight_(specific_weight) {
-  for (const Pool& pool : pools) ranges_.push_back({pool.from, pool.to, pool.level(time)});
+  for (const Pool& pool : pools) ranges_.push_back({pool.from, pool.to, pool.level.at(time)});
   for (std::size_t k = 1; k < ranges_.size(); ++k) {
     bends_.push_back(ranges_[k - 1].to);
     bends_.push_back(ranges_[k].from);
   }
 }
 
-double PoolLevels::level(double x) const {
+std::size_t PoolLevels::range_of(double x) const {
   std::size_t k = 0;
   while (k + 1 < ranges_.size() && x >= ranges_[k + 1].from) ++k;
+  return k;
+}
+
+double PoolLevels::level(double x) const {
+  const std::size_t k = range_of(x);
   if (x <= ranges_[k].to) return ranges_[k].level;
   const double s = (x - ranges_[k].to) / (ranges_[k + 1].from - ranges_[k].to);
   return (1 - s) * ranges_[k].level + s * ranges_[k + 1].level;
 }
 
 double PoolLevels::slope(double x) const {
-  std::size_t k = 0;
-  while (k + 1 < ranges_.size() && x >= ranges_[k + 1].from) ++k;
+  const std::size_t k = range_of(x);
   if (x <= ranges_[k].to) return 0;
   return (ranges_[k + 1].level - ranges_[k].level) / (ranges_[k + 1].from - ranges_[k].to);
 }

@@ -9,6 +9,7 @@
 
 #include "common/mechanics/tensor.hpp"
 #include "common/settings/config_reader.hpp"
+#include "common/settings/time_function.hpp"
 
 namespace gabion::mpm {
 
@@ -16,11 +17,7 @@ namespace gabion::mpm {
 struct Pool {
   double from = -std::numeric_limits<double>::infinity();  ///< x where it begins [m]
   double to = std::numeric_limits<double>::infinity();     ///< x where it ends [m]
-  /// Rows [t, level], linear between them and held before and after; one row: it is constant.
-  std::vector<std::vector<double>> table;
-  std::string where;  ///< file and pointer, for messages
-
-  double level(double time) const;  ///< [m]
+  TimeFunction level = TimeFunction::constant(0);          ///< [m]
 };
 
 KeyTable pool_keys();
@@ -72,6 +69,8 @@ class PoolLevels {
   struct Range {
     double from, to, level;
   };
+  std::size_t range_of(double x) const;  // the last one that begins at x or before, or the first
+
   std::vector<Range> ranges_;
   std::vector<double> bends_;
   double weight_ = 0;

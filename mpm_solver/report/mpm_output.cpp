@@ -30,24 +30,27 @@ std::vector<std::string> internal_names(const MaterialLaw<dim>& law) {
       law);
 }
 
-// Internal variables of the points of this rank, 0 where the law of a body has none of this name.
-template <int dim>
-std::vector<OutputField> internal_fields(const MaterialPoints<dim>& points,
-                                         const std::vector<Body<dim>>& bodies) {
+// Numbers of the points of this rank that their bodies name, 0 in bodies without the name.
+// @param names_of  of a body: names_of(body), each its column
+// @param value     value(point, column)
+template <int dim, class NamesOf, class Value>
+std::vector<OutputField> named_fields(const MaterialPoints<dim>& points,
+                                      const std::vector<Body<dim>>& bodies, const NamesOf& names_of,
+                                      const Value& value) {
   std::set<std::string> names;
   for (const Body<dim>& body : bodies) {
-    for (const std::string& name : internal_names(body.material.law)) names.insert(name);
+    for (const std::string& name : names_of(body)) names.insert(name);
   }
   std::vector<OutputField> fields;
   for (const std::string& name : names) {
-    const auto make = [&points, &bodies, name] {
+    const auto make = [&points, &bodies, names_of, value, name] {
       Values values(points.x.size(), 0.0);
       for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
-        const auto own = internal_names(bodies[b].material.law);
-        const auto found = std::find(own.begin(), own.end(), name);
-        if (found == own.end()) continue;
+        const std::vector<std::string> own = names_of(bodies[b]);
+        const auto column = std::ranges::find(own, name) - own.begin();
+        if (column == std::ssize(own)) continue;
         for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
-          values[p] = points.internal[p][found - own.begin()];
+          values[p] = value(p, column);
         }
       }
       return values;
@@ -57,28 +60,17 @@ std::vector<OutputField> internal_fields(const MaterialPoints<dim>& points,
   return fields;
 }
 
-// Constants that vary of the points of this rank, 0 in bodies where a constant of this name does
-// not vary.
+// Internal variables of laws, and constants that vary.
 template <int dim>
-std::vector<OutputField> varying_fields(const MaterialPoints<dim>& points,
+std::vector<OutputField> fields_of_laws(const MaterialPoints<dim>& points,
                                         const std::vector<Body<dim>>& bodies) {
-  std::set<std::string> names;
-  for (const Body<dim>& body : bodies) names.insert(body.varying.begin(), body.varying.end());
-  std::vector<OutputField> fields;
-  for (const std::string& name : names) {
-    const auto make = [&points, &bodies, name] {
-      Values values(points.x.size(), 0.0);
-      for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
-        const auto& own = bodies[b].varying;
-        const auto column = std::find(own.begin(), own.end(), name) - own.begin();
-        if (column == std::ssize(own)) continue;
-        for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
-          values[p] = points.parameters[p][column];
-        }
-      }
-      return values;
-    };
-    fields.push_back({.name = name, .components = 1, .make = make});
+  std::vector<OutputField> fields = named_fields(
+      points, bodies, [](const Body<dim>& body) { return internal_names(body.material.law); },
+      [&points](std::int32_t p, std::ptrdiff_t k) { return points.internal[p][k]; });
+  for (OutputField& varying : named_fields(
+           points, bodies, [](const Body<dim>&body) { return body.varying; },
+           [&points](std::int32_t p, std::ptrdiff_t k) { return points.parameters[p][k]; })) {
+    fields.push_back(std::move(varying));
   }
   return fields;
 }
@@ -132,8 +124,7 @@ std::vector<OutputField> frame_fields(const MaterialPoints<dim>& points,
       field("volume_ratio", 1, [&points] { return points.J; }),
       field("volume", 1, of_each([&points](std::int32_t p) { return points.V0[p] * points.J[p]; })),
       field("body", 1, body)};
-  for (OutputField& own : internal_fields(points, bodies)) fields.push_back(std::move(own));
-  for (OutputField& own : varying_fields(points, bodies)) fields.push_back(std::move(own));
+  for (OutputField& own : fields_of_laws(points, bodies)) fields.push_back(std::move(own));
   return fields;
 }
 

@@ -80,8 +80,7 @@ GhostStiffness<dim>::GhostStiffness(const BackgroundGrid<dim>& grid,
 template <int dim>
 void GhostStiffness<dim>::measure_cells(const CellOwners<dim>& owners,
                                         const MaterialPoints<dim>& points,
-                                        const PointWeights<dim>& weights,
-                                        std::span<const MaterialLaw<dim>* const> laws) {
+                                        const PointWeights<dim>& weights, LawsOfPoints<dim> laws) {
   soil_.assign(grid_.num_cells(), {});
   const bool has_domains = grid_.basis == Basis::gimp;
   for (const CellGroup& group : weights.groups) {
@@ -154,9 +153,10 @@ void GhostStiffness<dim>::share_cells(const CellOwners<dim>& owners) {
 }
 
 template <int dim>
-std::vector<std::int32_t> GhostStiffness<dim>::find_facets(
-    const CellOwners<dim>& owners, const MaterialPoints<dim>& points,
-    const PointWeights<dim>& weights, std::span<const MaterialLaw<dim>* const> laws) {
+std::vector<std::int32_t> GhostStiffness<dim>::find_facets(const CellOwners<dim>& owners,
+                                                           const MaterialPoints<dim>& points,
+                                                           const PointWeights<dim>& weights,
+                                                           LawsOfPoints<dim> laws) {
   measure_cells(owners, points, weights, laws);
   facets_.clear();
   std::vector<std::int32_t> nodes;

@@ -8,6 +8,7 @@
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "mpm_solver/grid/cell_owners.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/points/laws_of_points.hpp"
 
 namespace gabion::mpm {
 
@@ -40,13 +41,13 @@ class GhostStiffness {
 
   /// Find the facets of this step; a rank has those of the small cuts among its own cells. Cells
   /// with doubled nodes have none.
-  /// @param laws  of the points, see StressParts::laws
+  /// @param laws  of the points, see LawsOfPoints
   /// @returns grid nodes of the facets of this rank, some of them several times
   /// @note Collective.
   std::vector<std::int32_t> find_facets(const CellOwners<dim>& owners,
                                         const MaterialPoints<dim>& points,
                                         const PointWeights<dim>& weights,
-                                        std::span<const MaterialLaw<dim>* const> laws = {});
+                                        LawsOfPoints<dim> laws = {});
   /// Evaluate their stiffness. @param nodes  with those of find_facets()
   void begin_step(const GridNodes<dim>& nodes);
   /// Facets with ghost stiffness on all ranks; 0: no cell needs it in this step.
@@ -63,8 +64,7 @@ class GhostStiffness {
     return volume > 0 && volume < small_cut_fill * cell_volume(grid_, cell);
   }
   void measure_cells(const CellOwners<dim>& owners, const MaterialPoints<dim>& points,
-                     const PointWeights<dim>& weights,
-                     std::span<const MaterialLaw<dim>* const> laws);
+                     const PointWeights<dim>& weights, LawsOfPoints<dim> laws);
   void share_cells(const CellOwners<dim>& owners);
   struct CellSoil {
     double volume = 0;

@@ -292,13 +292,12 @@ std::string Equilibrium<dim>::describe_worst_point(std::span<const double> du) c
     parts_.nodes.gather(weights.nodes_of(*group), du, of_group.data());
     const std::int32_t p = weights.point[worst.entry];
     StressUpdate<dim> stress;
-    const bool own_law = !parts_.laws.empty() && parts_.laws[p] != nullptr;
-    const bool admissible =
-        update(LawInStep<MaterialLaw<dim>, dim>{own_law ? *parts_.laws[p]
-                                                        : parts_.bodies[group->body].material.law,
-                                                context_.of_point(parts_.points, p)},
-               displacement_gradient(weights, worst.entry, of_group.data()),
-               parts_.points.history[p], stress, static_cast<Tangent<dim>*>(nullptr));
+    const bool admissible = update(
+        LawInStep<MaterialLaw<dim>, dim>{
+            law_of<dim>(parts_.laws, p, parts_.bodies[group->body].material.law),
+            context_.of_point(parts_.points, p)},
+        displacement_gradient(weights, worst.entry, of_group.data()), parts_.points.history[p],
+        stress, static_cast<Tangent<dim>*>(nullptr));
     own = fmt::format("{}: strain increment {:.3g}, {}", describe_point(p), worst.strain,
                       admissible ? fmt::format("volume ratio of the step {:.3g}, {}", stress.J,
                                                region_name(stress.region))

@@ -71,7 +71,7 @@ void ExplicitStep<dim>::begin(const StepStart& start) {
   repeated_ = std::exchange(repeats_, false);
   // Boulders move as well as interfaces do, and what an interface moves may push another body.
   may_repeat_ = !model.settings.whole_iterations && model.settings.boulders.empty() &&
-                !model.settings.body_groups.any() && parts_.state.points.variables.empty() &&
+                !model.settings.body_groups.any() && !model.remembers_variables &&
                 parts_.state.surfaces.may_touch_interface();
   soil_dt_ = stable_.of_soil(parts_.state.points);
   count_ = count_for(start.dt, parts_.state.contact_rate);

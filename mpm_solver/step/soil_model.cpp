@@ -50,6 +50,8 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
     weights.push_back(column.density * column.gravity * column.height);
     elastic.push_back(is_elastic<dim>(material.law) ? 1 : 0);
     remembers_internal |= gabion::remembers_internal<dim>(material.law);
+    remembers_variables |= std::holds_alternative<Umat<dim>>(material.law);
+    varies |= !settings.bodies[b].varying.empty();
     const double modulus =
         std::visit([](const auto& law) { return law.p_wave_modulus(); }, material.law);
     moduli.push_back(modulus);

@@ -31,6 +31,8 @@ struct SoilModel {
   bool symmetric_laws = true;            ///< all bodies have symmetric tangents
   std::vector<char> elastic;             ///< of each body: it has an elastic law
   bool remembers_internal = false;       ///< a body has a law with internal variables
+  bool remembers_variables = false;      ///< a body has a law with state variables, Umat
+  bool varies = false;                   ///< a body has constants that vary in space
   std::vector<double> moduli;            ///< of P waves of the skeleton, of each body [Pa]
   std::vector<double> weights;           ///< pressure under each body by its own weight [Pa]
   bool drains = false;                   ///< a body has pore water that drains

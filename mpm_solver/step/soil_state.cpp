@@ -326,19 +326,14 @@ void SoilState<dim>::take(StateVisitor& visitor, const SoilModel<dim>& model) {
             "variables",
             points.internal.size(), points.id.size(),
             model.remembers_internal ? "with" : "without");
-    const bool any_varies = std::ranges::any_of(
-        model.settings.varying, [](const auto& material) { return material != nullptr; });
-    require(points.parameters.size() == (any_varies ? points.id.size() : 0),
+    require(points.parameters.size() == (model.varies ? points.id.size() : 0),
             "saved state: points.parameters: found {} values for {} points and bodies {} constants "
             "that vary",
-            points.parameters.size(), points.id.size(), any_varies ? "with" : "without");
-    const bool any_umat = std::ranges::any_of(model.settings.bodies, [](const auto& body) {
-      return std::holds_alternative<Umat<dim>>(body.material.law);
-    });
+            points.parameters.size(), points.id.size(), model.varies ? "with" : "without");
     require(
-        points.variables.size() == (any_umat ? points.id.size() : 0),
+        points.variables.size() == (model.remembers_variables ? points.id.size() : 0),
         "saved state: points.variables: found {} values for {} points and bodies {} the law umat",
-        points.variables.size(), points.id.size(), any_umat ? "with" : "without");
+        points.variables.size(), points.id.size(), model.remembers_variables ? "with" : "without");
     require_below<std::int64_t>("probe_ids", 0, probe_ids, points.body_ids.back());
     order_points(0, points);
     require(std::ranges::adjacent_find(points.id) == points.id.end(),

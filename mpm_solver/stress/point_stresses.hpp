@@ -172,17 +172,15 @@ class PointStresses {
   template <class Law>
   PointContext context_of(const StressParts<dim>& parts, std::int32_t e) const {
     if constexpr (!ContextualLaw<Law, dim>) return {};
+    if constexpr (!RemembersInternal<Law> && !HasVariables<Law>) return {.dt = parts.context->dt};
     const std::int32_t p = parts.weights.point[e];
-    if constexpr (HasVariables<Law>) {
-      PointContext context = parts.context->of_point(parts.points, p);
-      const auto& start = parts.has_path() ? parts.path->variables : parts.points.variables;
-      context.variables = numbers_of(start[p]);
-      context.new_variables = numbers_of(parts.trial.variables[e]);
-      return context;
-    }
-    if constexpr (!RemembersInternal<Law>) return {.dt = parts.context->dt};
     PointContext context = parts.context->of_point(parts.points, p);
-    if (parts.has_path()) context.internal = parts.path->internal[p];
+    if constexpr (HasVariables<Law>) {
+      if (parts.has_path()) context.variables = numbers_of(parts.path->variables[p]);
+      context.new_variables = numbers_of(parts.trial.variables[e]);
+    } else if (parts.has_path()) {
+      context.internal = parts.path->internal[p];
+    }
     return context;
   }
   // The next substep begins at this one's end. A state that stayed elastic is the one it was.

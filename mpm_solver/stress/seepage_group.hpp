@@ -38,8 +38,7 @@ struct SeepageForces<dim>::Group {
   std::array<std::int32_t, max_group_nodes<dim>> active;
   std::vector<double> K;  // row by row
 
-  /// Pressure of a point on the skeleton, of the water alone or beyond that of the pools.
-  double pressure(const Work& point, bool averages) const { return averages ? pV / V : point.p; }
+  /// Pressure of the pools at a point, and of its water beyond that, which the skeleton carries.
   double pool_pressure(const Work& point, bool averages) const {
     return averages ? p_poolV / V : point.p_pool;
   }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/stress/shared_volumes.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -207,14 +210,17 @@ double change_volume(const LawInStep<Law, dim>& law, double d, std::int32_t p,
   add_volumetric_strain(law.law, d, state);
   StressUpdate<dim> stress;
   if constexpr (HasVariables<Law>) {
-    const StateVariables before = points.variables[p];
-    const PointContext at_once{.variables = numbers_of(before),
-                               .new_variables = numbers_of(points.variables[p])};
-    require(law.law.strain_evenly(at_once, d, stress),
-            "mpm_solver: the UMAT gives no stress for a volumetric strain of {:.3g} in no time "
-            "(DTIME 0), which F-bar asks for where points enter other cells; \"locking\": "
-            "{{\"method\": \"none\"}} does not",
-            d);
+    PointContext context = law.context;
+    context.new_variables = numbers_of(points.variables[p]);
+    require(law.law.strain_evenly(context, d, stress), [&] {
+      const Vector<dim>& x = points.x[p];
+      return fmt::format(
+          "material point {} at ({:.6g}): its UMAT gives no stress for a volumetric strain of "
+          "{:.3g} "
+          "in no time (DTIME 0), which F-bar asks for where points enter other cells; \"locking\": "
+          "{{\"method\": \"none\"}} does not",
+          points.id[p], fmt::join(x.data(), x.data() + dim, ", "), d);
+    });
   } else {
     require(law.update(Matrix<dim>::Zero(), state, stress, nullptr),
             "mpm_solver: a shared volume is inadmissible");
@@ -338,7 +344,7 @@ class SharedWater {
 
 template <int dim>
 double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>& bodies,
-                     MaterialPoints<dim>& points, std::span<const MaterialLaw<dim>* const> laws) {
+                     MaterialPoints<dim>& points, LawsOfPoints<dim> laws) {
   SharedWater<dim> water(owners, bodies, points);
   double lost = water.share();
   GroupVolumes<dim> volumes(owners, points);
@@ -360,12 +366,13 @@ double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>
   });
   volumes.sum();
   const StepContext<dim> at_once{.dt = 0, .grid = &owners.grid};
-  for_each_point([&]<class Law>(const Law& law, std::int32_t b, std::int32_t p) {
+  for_each_point([&]<class Law>(const Law&, std::int32_t b, std::int32_t p) {
     const double d = volumes.strain(b, p) - theta[p];
     if (!(std::abs(d) > same_strain)) return;
-    const bool own = !laws.empty() && laws[p] != nullptr;
-    LawInStep<Law, dim> in_step{own ? std::get<Law>(*laws[p]) : law, {}};
-    if constexpr (RemembersInternal<Law>) in_step.context = at_once.of_point(points, p);
+    LawInStep<Law, dim> in_step{std::get<Law>(law_of<dim>(laws, p, bodies[b].material.law)), {}};
+    if constexpr (RemembersInternal<Law> || HasVariables<Law>) {
+      in_step.context = at_once.of_point(points, p);
+    }
     lost += points.is_wet(p) ? change_volume(in_step, *bodies[b].water, d, p, points)
                              : change_volume(in_step, d, p, points);
   });
@@ -374,8 +381,8 @@ double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>
 }
 
 template double share_volumes<2>(const CellOwners<2>&, const std::vector<Body<2>>&,
-                                 MaterialPoints<2>&, std::span<const MaterialLaw<2>* const>);
+                                 MaterialPoints<2>&, LawsOfPoints<2>);
 template double share_volumes<3>(const CellOwners<3>&, const std::vector<Body<3>>&,
-                                 MaterialPoints<3>&, std::span<const MaterialLaw<3>* const>);
+                                 MaterialPoints<3>&, LawsOfPoints<3>);
 
 }  // namespace gabion::mpm

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "mpm_solver/grid/cell_owners.hpp"
+#include "mpm_solver/points/laws_of_points.hpp"
 
 namespace gabion::mpm {
 
@@ -32,13 +32,12 @@ namespace gabion::mpm {
 ///
 /// Points may have entered cells of other ranks: these ranks then exchange the sums of such groups.
 ///
-/// @param laws  of the points, see StressParts::laws
+/// @param laws  of the points, see LawsOfPoints
 /// @pre   the points are located; those outside the grid (cell -1) are left as they are
 /// @returns elastic energy of all ranks' points that is lost by it [J]
 /// @note  Collective.
 template <int dim>
 double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>& bodies,
-                     MaterialPoints<dim>& points,
-                     std::span<const MaterialLaw<dim>* const> laws = {});
+                     MaterialPoints<dim>& points, LawsOfPoints<dim> laws = {});
 
 }  // namespace gabion::mpm

@@ -3,9 +3,9 @@
 
 namespace gabion::mpm {
 
-// Width of the band over the cell size for which a layer that is sheared along the rows of the grid,
-// filled with rows of points as bodies are laid, does the work of a surface that slips by five times
-// its softening slip.
+// Width of the band over the cell size for which a layer that is sheared along the rows of the
+// grid, filled with rows of points as bodies are laid, does the work of a surface that slips by
+// five times its softening slip.
 constexpr double narrowest_band(Basis basis) {
   return basis == Basis::bspline ? 1.35 : 1;
 }
@@ -22,6 +22,7 @@ PointContext StepContext<dim>::of_point(const MaterialPoints<dim>& points, std::
     context.band_width = gabion::mpm::band_width(*grid, points.cell[p]);
   }
   if (!points.internal.empty()) context.internal = points.internal[p];
+  if (!points.variables.empty()) context.variables = numbers_of(points.variables[p]);
   return context;
 }
 

@@ -11,6 +11,7 @@
 #include "mpm_solver/grid/basis.hpp"
 #include "mpm_solver/grid/entry_values.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/points/laws_of_points.hpp"
 #include "mpm_solver/stress/step_context.hpp"
 #include "mpm_solver/stress/trial_points.hpp"
 
@@ -72,7 +73,7 @@ struct StressParts {
   const Vector<dim>* held_normal = nullptr;
   GroupForces<dim>* kept = nullptr;
   /// Law of each point, null: that of its body; empty: every point has that of its body.
-  std::span<const MaterialLaw<dim>* const> laws = {};
+  LawsOfPoints<dim> laws = {};
 
   /// @param own  that of its body
   template <class Law>

@@ -8,10 +8,8 @@ from pathlib import Path
 
 from element.laboratory import ElementError
 from plotting.results import Table
-from studies.runner import ROOT
+from running.programs import PROGRAMS
 
-# An installed tree has no sources and its programs in bin/.
-PROGRAMS = ROOT / "build" / "release" / "bin" if (ROOT / "CMakeLists.txt").exists() else ROOT / "bin"
 CANNOT_FOLLOW = 3  # exit code: the law or the control does not go on; the table has the rows up to there
 
 

@@ -61,6 +61,17 @@ def _first_with_points(soil: Series | None) -> Frame | None:
     return next((frame for frame in frames if len(frame.points)), None)
 
 
+def point_size(points: np.ndarray, dim: int) -> float:
+    """Mean distance of points [m]."""
+    extent = np.ptp(points[:, :dim], axis=0)
+    if dim == 2:
+        return float(np.sqrt(max(np.prod(extent), 1e-12) / len(points)))
+    size = float(extent.max())
+    for _ in range(30):  # the body is one distance larger than its points, which counts in a thin slice
+        size = float(np.cbrt(np.prod(extent + size) / len(points)))
+    return size
+
+
 class ScenePlot:
     """Draws one instant at a time with the same plane, window and colours for all instants.
 
@@ -84,7 +95,7 @@ class ScenePlot:
         last = series.frame(len(series) - 1)
         if self.soil:
             self.field = self._choose(last, field)
-            self.size = self._point_size_m(self.first.points, results.dim)
+            self.size = point_size(self.first.points, results.dim)
         self._window(results, plane)
         self._colours()
 
@@ -93,17 +104,6 @@ class ScenePlot:
         if field is not None and field not in names:
             raise ResultsError(f"{self.soil.path}: no field {field}; there are {', '.join(names)}")
         return field or next((n for n in ("displacement", "velocity") if n in names), names[0])
-
-    @staticmethod
-    def _point_size_m(points: np.ndarray, dim: int) -> float:
-        """Mean distance of points [m]."""
-        extent = np.ptp(points[:, :dim], axis=0)
-        if dim == 2:
-            return float(np.sqrt(max(np.prod(extent), 1e-12) / len(points)))
-        size = float(extent.max())
-        for _ in range(30):  # the body is one distance larger than its points, which counts in a thin slice
-            size = float(np.cbrt(np.prod(extent + size) / len(points)))
-        return size
 
     def _sample(self, series: Series) -> list[Frame]:
         """Some frames, without those whose points have all left or are not there yet."""

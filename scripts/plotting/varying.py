@@ -9,12 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from plotting.results import ResultsError, Table
-from plotting.scene import DISC, label_of
+from plotting.scene import DISC, label_of, point_size
 from plotting.style import plt, save
+from running.programs import PROGRAMS
 
-ROOT = Path(__file__).resolve().parents[2]
-# An installed tree has no sources and its programs in bin/.
-PROGRAMS = ROOT / "build" / "release" / "bin" if (ROOT / "CMakeLists.txt").exists() else ROOT / "bin"
 PANEL = 8.5  # width of a picture [inch]
 
 
@@ -45,16 +43,9 @@ def slice_of(points: np.ndarray, size: float) -> np.ndarray:
     return np.abs(points[:, 1] - nearest) <= 0.5 * size
 
 
-def distance_of(points: np.ndarray) -> float:
-    """Mean distance of points [m]."""
-    dim = points.shape[1]
-    extent = np.maximum(np.ptp(points, axis=0), 1e-9)
-    return float(np.prod(extent) / len(points)) ** (1 / dim)
-
-
 def draw_constant(axes: Axes, points: np.ndarray, values: np.ndarray) -> PolyCollection:
     """Points coloured by a constant: a section, or in 3D the slice through the middle."""
-    size = distance_of(points)
+    size = point_size(points, points.shape[1])
     shown = slice_of(points, size) & ~np.isnan(values)
     section = points[shown][:, [0, -1]]
     discs = PolyCollection(section[:, None] + size * DISC[None], array=values[shown], cmap="viridis", linewidths=0)

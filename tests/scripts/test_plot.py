@@ -16,7 +16,7 @@ from plotting import scene as scenes
 from plotting.column import compare_surface, failure_line, front_of, read_reference, surface_of
 from plotting.envelope import envelope_rows, write_envelope
 from plotting.results import Frame, Results, ResultsError, Series, Table
-from plotting.scene import ScenePlot
+from plotting.scene import ScenePlot, point_size
 from plotting.style import COLOURS, new_figure, plt
 from plotting.summary import summary_lines
 from plotting.view import View, outer_faces, view_of
@@ -188,7 +188,7 @@ class Space(ScriptCase):
     def test_size_of_points_in_a_thin_slice(self) -> None:
         points = np.stack(np.meshgrid(np.arange(40), np.arange(20), np.arange(2)), -1).reshape(-1, 3)
         for cloud in (points, points[points[:, 2] == 0]):
-            self.assertAlmostEqual(ScenePlot._point_size_m(0.01 * cloud, 3), 0.01, delta=1e-6)
+            self.assertAlmostEqual(point_size(0.01 * cloud, 3), 0.01, delta=1e-6)
 
 
 class RigidWalls(ScriptCase):

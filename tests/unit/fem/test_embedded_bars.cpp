@@ -268,6 +268,25 @@ TEST(EmbeddedBars, on_nodes_as_without) {
   }
 }
 
+/// The state at the start moves embedded nodes with their hosts; at rest nothing is solved.
+TEST(EmbeddedBars, states_follow_the_hosts) {
+  const TemporaryMesh mesh(strip_with_bar(0.25, 0.1, 5, 0.3, 0.04));
+  Json json = with_steel(pulled_strip(mesh.path(), 5, 0), true);
+  json["analysis"] = "dynamic";
+  json["prescribed"] = Json::array();
+  json["initial_velocity"] = {0, 2};
+  const auto moving = fem_solver<2>(json);
+  const auto& v = moving->state().motion.v;
+  std::size_t fastest = 0;
+  for (std::size_t i = 1; i < v.size(); i += 2) fastest += v[i] == 2;
+  const std::size_t held = 2 * 2;  // nodes of the side, at most
+  EXPECT_GE(fastest, v.size() / 2 - held);
+
+  const auto pulled = fem_solver<2>(with_steel(pulled_strip(mesh.path(), 5, 1e-6), true));
+  EXPECT_GT(advance(*pulled, 1, 1), 0);
+  EXPECT_EQ(advance(*pulled, 2, 1), 0);
+}
+
 TEST(EmbeddedBars, restart_gives_the_same_bits_and_conditions_are_refused) {
   GmshText file = strip_with_bar(0.25, 0.1, 5, 0.3, 0.04);
   const TemporaryMesh mesh(file);

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "common/mechanics/petsc/block_matrix.hpp"
 #include "mpm_solver/grid/cell_owners.hpp"
 #include "mpm_solver/grid/grid_nodes.hpp"
 #include "mpm_solver/grid/soil_border.hpp"
@@ -90,6 +91,15 @@ struct SoilPatch {
     evaluate_basis(grid, points, weights, border ? &*border : nullptr);
     activate_nodes<dim>(comm(), grid, weights, {}, nodes);
     points_to_grid(points, weights, nodes);
+  }
+  /// The pattern of the groups of the points.
+  void set_pattern(BlockMatrix<dim>& K) const {
+    std::vector<std::int32_t> offsets = {0}, active;
+    for (const auto& group : weights.groups) {
+      for (const std::int32_t node : weights.nodes_of(group)) active.push_back(nodes.active[node]);
+      offsets.push_back(static_cast<std::int32_t>(active.size()));
+    }
+    K.set_pattern(nodes.size(), offsets, active);
   }
   mpm::CellOwners<dim> owners() const { return {comm(), grid, whole}; }
   const Vector<dim>& node(std::int32_t active) const { return mesh.nodes[nodes.grid_node[active]]; }

@@ -59,14 +59,7 @@ struct AveragedSoil {
                                       .trial = trial,
                                       .held_normal = held_normal};
     internal.emplace(parts, 0.5, 0, averaged);
-    std::vector<std::int32_t> offsets = {0}, nodes;
-    for (const auto& group : soil.weights.groups) {
-      for (const std::int32_t node : soil.weights.nodes_of(group)) {
-        nodes.push_back(soil.nodes.active[node]);
-      }
-      offsets.push_back(static_cast<std::int32_t>(nodes.size()));
-    }
-    K.set_pattern(soil.nodes.size(), offsets, nodes);
+    soil.set_pattern(K);
   }
 
   VectorXd random_du(double size) {

@@ -41,14 +41,7 @@ struct VaryingPatch {
       soil.points.history[p].e.template head<3>().setConstant(0.02 * soil.random() - 0.03);
     }
     soil.to_grid();
-    std::vector<std::int32_t> offsets = {0}, nodes;
-    for (const auto& group : soil.weights.groups) {
-      for (const std::int32_t node : soil.weights.nodes_of(group)) {
-        nodes.push_back(soil.nodes.active[node]);
-      }
-      offsets.push_back(static_cast<std::int32_t>(nodes.size()));
-    }
-    K.set_pattern(soil.nodes.size(), offsets, nodes);
+    soil.set_pattern(K);
   }
   mpm::StressParts<dim> parts() {
     return {.bodies = soil.bodies,

@@ -93,14 +93,7 @@ struct SaturatedForces {
                                            .nodes = soil.nodes,
                                            .trial = trial},
                      0.5, 0, true);
-    std::vector<std::int32_t> offsets = {0}, nodes;
-    for (const auto& group : soil.weights.groups) {
-      for (const std::int32_t node : soil.weights.nodes_of(group)) {
-        nodes.push_back(soil.nodes.active[node]);
-      }
-      offsets.push_back(static_cast<std::int32_t>(nodes.size()));
-    }
-    K.set_pattern(soil.nodes.size(), offsets, nodes);
+    soil.set_pattern(K);
   }
   VectorXd forces(const VectorXd& du, BlockMatrix<dim>* matrix = nullptr) {
     mpm::RefusedPoint worst;

@@ -8,7 +8,7 @@
 #include "common/mechanics/materials/strength_reduction.hpp"
 #include "mpm_solver/step/strength_search.hpp"
 #include "tests/support/expect_error.hpp"
-#include "tests/unit/mpm/mpm_scene.hpp"
+#include "tests/unit/mpm/strength_search.hpp"
 
 namespace gabion::test {
 namespace {
@@ -51,23 +51,6 @@ Json search(double from, double increment, double tolerance) {
           {"max_displacement", 0.04}};
 }
 
-/// The search of a scene to its end. The last solution is rejected: its result remains.
-Json factor_of_safety(const Json& scene) {
-  const auto solver = make_mpm(scene);
-  const auto result = [&] { return solver->summary().at("strength_reduction"); };
-  for (int k = 0; k < 80; ++k) {
-    const StepRequest request{k + 1, 0, static_cast<double>(k), 1};
-    InterfaceValues sent;
-    solver->solve_step(request, {}, sent);
-    if (k > 0 && result().at("verdict") != "no_failure") {
-      solver->reject_step();
-      break;
-    }
-    solver->accept_step(request, true);
-  }
-  return result();
-}
-
 /// The bracket does not depend on where the search begins, also where the soil yields already, on
 /// its increment, the stiffness of the soil or the tolerance of Newton's method: all of them have a
 /// common factor, but for the tolerance of the bracket.
@@ -75,7 +58,7 @@ Json factor_of_safety(const Json& scene) {
 void expect_agreement(const Json& soil, double late) {
   double low = 0, high = 1e9;
   const auto add = [&](const Json& scene) {
-    const Json found = factor_of_safety(scene);
+    const Json found = search_of_strength(scene);
     ASSERT_EQ(found.at("verdict"), "failure") << found;
     const double with = found.at("equilibrium_with"), without = found.at("none_with");
     EXPECT_GT(without, with);
@@ -111,17 +94,17 @@ TEST(StrengthReduction, brackets_of_a_cut_with_friction_agree) {
 /// A rigid wall that props the cut makes it safer.
 TEST(StrengthReduction, a_rigid_wall_props_a_vertical_cut) {
   Json scene = vertical_cut(clay(25e3), search(0.6, 0.2, 0.02));
-  const double alone = factor_of_safety(scene).at("none_with");
+  const double alone = search_of_strength(scene).at("none_with");
   const Json surface = {{"polyline", {{6, 4.25}, {6, 8}}}, {"spacing", 0.5}};
   scene["rigid_walls"] = {{{"name", "prop"}, {"surface", surface}, {"mode", "slip"}}};
-  EXPECT_GT(factor_of_safety(scene).at("equilibrium_with"), alone + 0.1);
+  EXPECT_GT(search_of_strength(scene).at("equilibrium_with"), alone + 0.1);
 }
 
 /// F = N c / (gamma H) is proportional to the strength.
 TEST(StrengthReduction, factor_is_proportional_to_the_strength) {
   const auto factor = [](double cohesion, double share) {
     const Json settings = search(0.6 * share, 0.2 * share, 0.02 * share);
-    return factor_of_safety(vertical_cut(clay(cohesion), settings))
+    return search_of_strength(vertical_cut(clay(cohesion), settings))
         .at("factor_of_safety")
         .get<double>();
   };

@@ -109,6 +109,37 @@ TEST(UmatSoil, begins_with_the_stress_of_its_weight) {
   EXPECT_GT(deepest, 0.9 * 2000 * 9.81 * 0.75);
 }
 
+/// A column of soft elastic soil, whose points enter other cells.
+Json soft_column(int fault, const Json& variables) {
+  Json json = column({{"law", "umat"},
+                      {"density", 20000},
+                      {"library", UMAT_FAULTY},
+                      {"constants", {fault}},
+                      {"initial_variables", variables}},
+                     "dynamic");
+  json["bodies"][0]["velocity"] = {4, 0};
+  json["walls"] = {wall("bottom", "slip")};
+  json["locking"] = {{"method", "fbar"}};
+  return json;
+}
+
+/// CELENT is the width of the narrowest band of shear, also where F-bar shares volumes.
+TEST(UmatSoil, length_of_all_increments) {
+  const auto solver = mpm_solver<2>(soft_column(7, {0}));
+  for (int n = 1; n <= 20; ++n) {
+    run_steps(*solver, 0.005, 1, n);
+    for (const auto& variables : solver->points().variables) {
+      EXPECT_EQ(variables[24], 0.125) << n;  // the first of STATEV
+    }
+  }
+}
+
+TEST(UmatSoil, a_law_that_refuses_to_share_volumes_is_named) {
+  const auto solver = mpm_solver<2>(soft_column(8, Json::array()));
+  expect_error<Error>([&] { run_steps(*solver, 0.005, 20); },
+                      {"material point", " at (", "DTIME 0", "\"locking\""});
+}
+
 TEST(UmatSoil, a_missing_library_is_named) {
   Json soil = library_soil();
   soil["library"] = "laws/nothing.so";

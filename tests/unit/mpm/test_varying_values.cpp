@@ -349,6 +349,25 @@ TEST(VaryingValues, other_units_are_named) {
             std::string::npos);
 }
 
+/// Layers in the wrong order: the second one hides the first.
+TEST(VaryingValues, a_layer_without_points_is_warned_of) {
+  Json material = elastic_soil("mohr_coulomb", 1e7, 0.3, 2000);
+  material["friction_angle"] = 30;
+  material["cohesion"] = 1e4;
+  const auto warnings = [&](const Json& layers) {
+    material["layers"] = layers;
+    testing::internal::CaptureStderr();
+    make_mpm(scene_of<2>(material));
+    return testing::internal::GetCapturedStderr();
+  };
+  const Json low = {{"below", 0.5}, {"cohesion", 2e4}}, high = {{"below", 1.0}, {"cohesion", 3e4}};
+  const std::string part = "no material point of";
+  EXPECT_EQ(warnings({high, low}).find(part), std::string::npos);
+  const std::string said = warnings({low, high});
+  EXPECT_NE(said.find("/bodies/0/material/layers/0/below: " + part), std::string::npos) << said;
+  EXPECT_EQ(said.find("layers/1/below"), std::string::npos) << said;
+}
+
 TEST(VaryingValues, most_keys) {
   Json material = elastic_soil("mohr_coulomb", 1e7, 0.3, 2000);
   material["friction_angle"] = 30;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  * Elastic user material with a fault by PROPS(1): 1 a stress that is no number, 2 a SAVE, 3 the wrong tangent, 4 a
- * tangent of J sigma, 5 stiff in fixed axes, 6 a step that is too long beyond a strain of 0.05. */
+ * tangent of J sigma, 5 stiff in fixed axes, 6 a step that is too long beyond a strain of 0.05, 7 none: STATEV(1) is
+ * CELENT, 8 no step without time. */
 #include <math.h>
 #include <stddef.h>
 
@@ -30,6 +31,8 @@ void UMAT(double* stress, double* statev, double* ddsdde, double* sse, double* s
     for (int l = 0; l < 3; ++l)
       for (int k = 0; k < n; ++k) ddsdde[k + n * l] += stress[k];
   if (fault == 6 && fabs(dstran[0]) > 0.05) *pnewdt = 0.25;
+  if (fault == 7) statev[0] = *celent;
+  if (fault == 8 && *dtime == 0) *pnewdt = 0.5;
   (void)statev, (void)sse, (void)spd, (void)scd, (void)rpl, (void)ddsddt, (void)drplde, (void)drpldt, (void)stran;
   (void)time, (void)dtime, (void)temp, (void)dtemp, (void)predef, (void)dpred, (void)cmname, (void)ndi, (void)nshr;
   (void)nstatv, (void)nprops, (void)coords, (void)drot, (void)celent, (void)dfgrd0, (void)dfgrd1, (void)noel;

@@ -6,7 +6,7 @@
 
 #include "common/settings/config_reader.hpp"
 
-namespace gabion::fem {
+namespace gabion {
 
 /// A factor that depends on time: piecewise linear through its rows, held before the first and
 /// after the last one; or a ramp `slope * t` without end.
@@ -40,4 +40,4 @@ Key time_table_key(const std::string& unit, const std::string& sentence);
 /// @throws ConfigError  empty table or times that do not increase
 TimeFunction read_time_table(ConfigReader& in);
 
-}  // namespace gabion::fem
+}  // namespace gabion

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fem_solver/time/time_function.hpp"
+#include "common/settings/time_function.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-namespace gabion::fem {
+namespace gabion {
 
 double TimeFunction::at(double time) const {
   const double ramp = slope_ * time;
@@ -48,4 +48,4 @@ TimeFunction read_time_table(ConfigReader& in) {
   return TimeFunction::table(std::move(times), std::move(values));
 }
 
-}  // namespace gabion::fem
+}  // namespace gabion
