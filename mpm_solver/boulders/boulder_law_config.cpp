@@ -27,7 +27,9 @@ std::vector<Key> boulder_law_keys() {
           .in(non_negative())
           .or_none(),
       key::choice("soil_inside", {"error", "remove"},
-                  "Material points that lie in the boulder at the start: refused, or left out.")
+                  "Material points at the start whose centre is in the boulder, or more than a "
+                  "twentieth of the radius of their contact sphere: refused, or left out, which "
+                  "leaves up to half a point's width around it empty.")
           .or_else("error"),
       key::number("restitution", "", "Normal speed after an impact on what is hard over before it.")
           .in(between(0, 1))
@@ -47,8 +49,8 @@ void read_boulder_law(ConfigReader& in, BoulderSettings<dim>& boulder) {
   boulder.law.restitution = in.number("restitution");
   boulder.law.rolling = in.number("rolling_resistance");
   if (boulder.shape.sphere == 0 && boulder.law.rolling > 0) {
-    in.fail("rolling_resistance",
-            fmt::format("found {} with a shape that is no sphere, allowed: 0", boulder.law.rolling));
+    in.fail("rolling_resistance", fmt::format("found {} with a shape that is no sphere, allowed: 0",
+                                              boulder.law.rolling));
   }
   boulder.soil_friction = in.has("soil_friction") ? in.number("soil_friction") : sticking;
   boulder.removes_soil = in.choice("soil_inside") == "remove";

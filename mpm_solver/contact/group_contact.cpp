@@ -71,7 +71,8 @@ ContactLaw GroupContact<dim>::law_of(const ContactNode& contact) const {
 
 template <int dim>
 bool GroupContact<dim>::symmetric() const {
-  return std::ranges::all_of(contacts_, [&](const ContactNode& t) { return !law_of(t).has_friction(); });
+  return std::ranges::all_of(contacts_,
+                             [&](const ContactNode& t) { return !law_of(t).has_friction(); });
 }
 
 // Go on with what the node was when the step before ended.
@@ -92,7 +93,8 @@ void GroupContact<dim>::follow(ContactNode& contact) const {
 
 // A new node in a contact that was closed goes on with it.
 template <int dim>
-void GroupContact<dim>::go_on_from_neighbours(const BackgroundGrid<dim>& grid, ContactNode& contact) const {
+void GroupContact<dim>::go_on_from_neighbours(const BackgroundGrid<dim>& grid,
+                                              ContactNode& contact) const {
   GroupNode<dim>& node = contact.node;
   Vector<dim> slip = Vector<dim>::Zero();
   double area = 0, gap = 0;
@@ -113,6 +115,45 @@ void GroupContact<dim>::go_on_from_neighbours(const BackgroundGrid<dim>& grid, C
   if (area == 0 || node.gap >= 0) return;
   contact.goes_on = true;
   contact.old_slip = turned_slip<dim>(slip / area, node.n);
+}
+
+// Energy in the springs of a node before its bodies move [J].
+template <int dim>
+double GroupContact<dim>::stored_at_start(const ContactNode& contact) const {
+  const GroupNode<dim>& node = contact.node;
+  if (node.gap >= 0) return 0;
+  const ContactLaw law = law_of(contact);
+  const double pressed = node.area * law.stored(-node.gap);
+  if (law.mode != ContactMode::contact) return pressed;
+  return pressed + 0.5 * node.area * law.tangential_penalty * contact.old_slip.squaredNorm();
+}
+
+// What the springs of some nodes store more than when the step before ended is at most what those
+// of the others, and of the nodes that are left, store less: so the springs of a pair never gain by
+// a new gap, area or slip.
+template <int dim>
+void GroupContact<dim>::keep_stored_energy() {
+  std::vector<double> gained(groups_.pairs.size(), 0.0), lost(gained);
+  for (const RememberedNode<dim>& before : memory_.nodes()) lost[before.pair] += before.stored;
+  const auto stored_before = [&](const ContactNode& contact) {
+    const RememberedNode<dim>* const before = memory_.find(contact.node.place, contact.node.pair);
+    return before ? before->stored : 0.0;
+  };
+  for (const ContactNode& contact : contacts_) {
+    const double before = stored_before(contact), now = stored_at_start(contact);
+    lost[contact.node.pair] -= std::min(before, now);
+    gained[contact.node.pair] += std::max(0.0, now - before);
+  }
+  for (ContactNode& contact : contacts_) {
+    const std::int32_t pair = contact.node.pair;
+    if (gained[pair] <= lost[pair]) continue;
+    const double before = stored_before(contact), now = stored_at_start(contact);
+    if (now <= before) continue;
+    const double share = std::max(0.0, lost[pair]) / gained[pair];
+    const double left = (before + share * (now - before)) / now;
+    contact.node.gap *= std::cbrt(left);
+    contact.old_slip *= std::sqrt(left);
+  }
 }
 
 template <int dim>
@@ -180,6 +221,7 @@ void GroupContact<dim>::begin_step(const SoilSurface<dim>& soil) {
     warn_of_overlap(soil, contact);
     contacts_.push_back(contact);
   }
+  keep_stored_energy();
   find_left_forces(soil);
 }
 
@@ -259,7 +301,8 @@ void GroupContact<dim>::add_old_forces(double share, std::span<double> field) co
     at<dim>(field, second) += share * force;
     at<dim>(field, first) -= share * force;
   };
-  for (const ContactNode& contact : contacts_) add(contact.node.first, contact.node.second, contact.old_force);
+  for (const ContactNode& contact : contacts_)
+    add(contact.node.first, contact.node.second, contact.old_force);
   for (const LeftForce& left : left_) add(left.first, left.second, left.force);
 }
 

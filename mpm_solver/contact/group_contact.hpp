@@ -18,8 +18,9 @@ namespace gabion::mpm {
 /// with the normal n, the gap g_0 and the area A of find_contact_nodes, and t of ContactLaw. A node
 /// that was closed in the step before goes on with its gap and its area; these follow the points
 /// as far as the soil moves through the cells. The slip of a new node is the mean of those of the
-/// closed ones around it. The force of a step is constant in it (NewmarkBossak::step_force_weight).
-/// A member is a pair of groups. Refers to the groups. @pre one rank
+/// closed ones around it. None of that gives energy: keep_stored_energy. The force of a step is
+/// constant in it (NewmarkBossak::step_force_weight). A member is a pair of groups. Refers to the
+/// groups. @pre one rank
 template <int dim>
 class GroupContact final : public Contact<dim> {
  public:
@@ -89,12 +90,15 @@ class GroupContact final : public Contact<dim> {
   ContactLaw law_of(const ContactNode& contact) const;
   void follow(ContactNode& contact) const;
   void go_on_from_neighbours(const BackgroundGrid<dim>& grid, ContactNode& contact) const;
+  double stored_at_start(const ContactNode& contact) const;
+  void keep_stored_energy();
   void find_left_forces(const SoilSurface<dim>& soil);
   void warn_of_overlap(const SoilSurface<dim>& soil, const ContactNode& contact);
   void warn_of_corner(const SoilSurface<dim>& soil, const GroupNode<dim>& node);
   void move(std::span<const double> du, ContactNode& contact) const;
   void set_slip(ContactNode& contact) const;
-  void add_stiffness(const ContactNode& contact, const Matrix<dim>& slope, BlockMatrix<dim>& K) const;
+  void add_stiffness(const ContactNode& contact, const Matrix<dim>& slope,
+                     BlockMatrix<dim>& K) const;
   void add_old_forces(double share, std::span<double> field) const;
 
   const BodyGroups& groups_;

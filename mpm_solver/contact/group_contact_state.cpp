@@ -103,9 +103,12 @@ void GroupContact<dim>::accept() {
       const Vector<dim> pull = contact.force - n.dot(contact.force) * n;
       memory.slip = -pull / (contact.node.area * law.tangential_penalty);
       slid -= pull.dot(contact.slip - memory.slip);
-      stored_slip += 0.5 * contact.node.area * law.tangential_penalty * memory.slip.squaredNorm();
+      memory.stored = 0.5 * contact.node.area * law.tangential_penalty * memory.slip.squaredNorm();
+      stored_slip += memory.stored;
     }
-    stored += contact.node.area * law.stored(-contact.gap);
+    const double pressed = contact.node.area * law.stored(-contact.gap);
+    memory.stored += pressed;
+    stored += pressed;
     work -= contact.force.dot(contact.path);
     nodes.push_back(memory);
   }

@@ -27,14 +27,14 @@ const RememberedNode<dim>* GroupMemory<dim>::find(std::int32_t place, std::int32
 template <int dim>
 void GroupMemory<dim>::visit_state(StateVisitor& visitor, const std::string& prefix,
                                    std::int32_t num_places, std::int32_t num_pairs) {
-  constexpr std::size_t width = 2 * dim + 3;
+  constexpr std::size_t width = 2 * dim + 4;
   std::vector<std::int64_t> where;
   std::vector<double> values;
   for (const auto& node : nodes_) {
     where.insert(where.end(), {node.place, node.pair});
     values.insert(values.end(), node.force.begin(), node.force.end());
     values.insert(values.end(), node.slip.begin(), node.slip.end());
-    values.insert(values.end(), {node.gap, node.area, node.moved});
+    values.insert(values.end(), {node.gap, node.area, node.moved, node.stored});
   }
   visitor.list(prefix + "nodes", where);
   visitor.list(prefix + "node_values", values);
@@ -57,6 +57,7 @@ void GroupMemory<dim>::visit_state(StateVisitor& visitor, const std::string& pre
     node.gap = value[2 * dim];
     node.area = value[2 * dim + 1];
     node.moved = value[2 * dim + 2];
+    node.stored = value[2 * dim + 3];
     require(k == 0 || key_of(nodes_[k - 1]) < key_of(node),
             "saved state: {}nodes: found a node out of order", prefix);
   }

@@ -19,6 +19,7 @@ struct RememberedNode {
   double gap = 0;                           ///< < 0 [m]
   double area = 0;                          ///< [m^2]
   double moved = 0;                         ///< how far the node's soil went in the step [m]
+  double stored = 0;                        ///< in its springs [J]
 };
 
 /// Those of a step, by place and pair.
