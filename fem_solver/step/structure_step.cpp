@@ -5,9 +5,7 @@
 #include <cassert>
 #include <limits>
 
-#include "common/base/log.hpp"
 #include "common/base/require.hpp"
-#include "common/mechanics/petsc/eigenvalue_signs.hpp"
 #include "common/mechanics/petsc/linear_method.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/time_integration/step_force_filter.hpp"
@@ -17,21 +15,6 @@
 #include "fem_solver/step/step_work.hpp"
 
 namespace gabion::fem {
-
-namespace {
-
-// Whether negative eigenvalues of the stiffness say that a state of rest is unstable: lines that
-// may be slack leave nodes without any stiffness, and cracks soften. Ranks do not count them. Where
-// forces balance, beams in space have a symmetric tangent too.
-template <int dim>
-bool shows_instability(const FemSettings<dim>& settings, const Equilibrium<dim>& equilibrium) {
-  const bool only_beams = std::ranges::all_of(settings.line_materials, [](const auto& line) {
-    return line.beam.has_value() || line.embedded;
-  });
-  return !settings.dynamic && settings.ranks.alone() && only_beams && !equilibrium.cracks();
-}
-
-}  // namespace
 
 template <int dim>
 StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm comm)
@@ -45,7 +28,7 @@ StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm com
       conditions_(settings),
       equilibrium_(settings, conditions_, comm),
       linear_(comm, dim, full_step_solver(settings)),
-      shows_instability_(shows_instability(settings, equilibrium_)),
+      stability_(settings),
       weight_(gravity_forces(settings, equilibrium_)) {
   equilibrium_.set_pattern(K_);
   linear_.set_coordinates(coordinates_of(settings));
@@ -349,31 +332,7 @@ void StructureStep<dim>::complete(const StructureState& state_n, double dt, Stru
   }
   trial.external_work += work_of_supports(equilibrium_, conditions_, state_n, trial, dynamic_);
   trial.damping_work = equilibrium_.damping_work(state_n, trial, dt);
-  if (shows_instability_) {
-    // The slope by the rotations of a step is symmetric where they are zero: as the next one
-    // begins.
-    equilibrium_.set_history(beams_ ? trial.history : state_n.history);
-    look_for_instability(trial);
-  }
-}
-
-/// Warn where a static equilibrium is one that the structure would leave: its stiffness is negative
-/// in some direction.
-template <int dim>
-void StructureStep<dim>::look_for_instability(const StructureState& state) {
-  const ScopedTimer timer(times_, "stability");
-  BlockMatrix<dim> K;
-  equilibrium_.set_pattern(K);
-  equilibrium_.assemble_tangent(state.motion.u, 1, /*with_inertia=*/false, K);
-  const std::int64_t directions = count_negative_eigenvalues(K);
-  if (directions == 0) return;
-  if (unstable_equilibria_++ > 0) return;
-  log::warn(
-      "t = {:.6g} s: the equilibrium that was found is not stable: the stiffness is negative in {} "
-      "direction(s), so the structure has buckled or snapped through on the way and would leave "
-      "this state; \"analysis\": \"dynamic\" shows where it goes. summary.json counts such states "
-      "(unstable_equilibria)",
-      state.time, directions);
+  stability_.look_at(state_n, trial, equilibrium_);
 }
 
 template <int dim>
@@ -437,7 +396,7 @@ Json StructureStep<dim>::summary() const {
           {"factorisations", linear_.factorisations()},
           {"restored_matrices", restored_matrices_},
           {"krylov_fallbacks", linear_.fallbacks()},
-          {"unstable_equilibria", unstable_equilibria_},
+          {"unstable_equilibria", stability_.unstable_states()},
           {"wall_seconds", wall}};
 }
 

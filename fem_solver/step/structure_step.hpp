@@ -9,6 +9,7 @@
 #include "common/base/timer.hpp"
 #include "common/run/solver.hpp"
 #include "fem_solver/step/equilibrium.hpp"
+#include "fem_solver/step/static_stability.hpp"
 #include "fem_solver/step/structure_state.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
@@ -81,7 +82,6 @@ class StructureStep {
   bool prepare_matrix(const StructureState& state_n, double dt, bool with_inertia);
   NewtonReport solve_balance(const StructureState& state_n, std::span<const double> f_ext,
                              double dt, bool with_inertia, std::vector<double>& du);
-  void look_for_instability(const StructureState& state);
   void fill_trial(const StructureState& state_n, ExternalForces f, double dt,
                   std::span<const double> du, StructureState& trial);
 
@@ -95,14 +95,14 @@ class StructureStep {
   BoundaryConditions<dim> conditions_;
   Equilibrium<dim> equilibrium_;
   LinearSolver<dim> linear_;
+  StaticStability<dim> stability_;
   BlockMatrix<dim> K_;
   std::optional<TangentPoint> held_tangent_;  // of the matrix in linear_, where it may serve again
-  bool shows_instability_;
-  std::vector<double> weight_;  // of the structure, by node [N]
+  std::vector<double> weight_;                // of the structure, by node [N]
   std::optional<Iterate> last_;
   PhaseTimes times_;
   std::int64_t solves_ = 0, skipped_solves_ = 0, repeated_solves_ = 0;
-  std::int64_t newton_iterations_ = 0, restored_matrices_ = 0, unstable_equilibria_ = 0;
+  std::int64_t newton_iterations_ = 0, restored_matrices_ = 0;
 };
 
 }  // namespace gabion::fem
