@@ -105,13 +105,8 @@ StructureState StructureStep<dim>::initial_state() {
     return state;
   }
 
-  StructureState reference;
-  reference.motion = {.u = u, .v = u, .a = u};
-  reference.f_int = reference.f_step = u;
   const ExternalForces f = external_forces(0, {});
-  reference.f_ext = f.end;
-  reference.reactions.assign(u.size(), 0.0);
-  reference.history = equilibrium_.set_history(nullptr);
+  const StructureState reference = reference_state(f.end, equilibrium_.set_history(nullptr));
   StructureState state;
   if (nothing_changes(reference, f, conditions_.displacements(0)) &&
       shared().all(std::ranges::all_of(reference.f_ext, is_zero))) {
