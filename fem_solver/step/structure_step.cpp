@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "common/base/require.hpp"
-#include "common/mechanics/petsc/linear_method.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/time_integration/step_force_filter.hpp"
 #include "fem_solver/step/full_steps.hpp"
