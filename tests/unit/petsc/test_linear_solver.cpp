@@ -363,8 +363,10 @@ TEST(LinearSolver, singular_matrix_throws) {
     LinearSolver<2> solver(test::comm(), 2, settings_of(method, "auto"));
     solver.set_matrix(K);
     SCOPED_TRACE(method);
-    expect_error<ConvergenceError>([&] { solve(solver, b); },
-                                   {"failed with 4 unknowns", "the matrix is singular"});
+    for (int k = 0; k < 2; ++k) {
+      expect_error<ConvergenceError>([&] { solve(solver, b); },
+                                     {"failed with 4 unknowns", "the matrix is singular"});
+    }
     const auto good = random_system<2>(20, 30, 3, 0, 1);
     const auto good_K = assembled_share(good);
     solver.set_matrix(good_K);
