@@ -18,7 +18,7 @@ Json sliding_block(double angle) {
           {"gravity", {0, 0, -9.81}},
           {"bodies",
            {body("block", box({0.5, 0.5, 0.5}, {1.5, 1.5, 1.5}, {2, 2, 2}, "hex8"), 8,
-                 elastic_soil("neo_hookean", 1e6, 0.2, 1000),
+                 elastic_soil("neo_hookean", 1e8, 0.2, 1000),
                  {v * std::cos(angle), v * std::sin(angle), 0})}},
           {"time_integration", {{"scheme", "bossak"}}},
           {"rigid_walls",
@@ -41,7 +41,7 @@ TEST(FrictionAtSpeed, block_in_space) {
     const double mass = probe(*solver, "mass");
     EXPECT_NEAR(probe(*solver, "momentum_x") / mass, exact * std::cos(angle), 0.02 * exact);
     EXPECT_NEAR(probe(*solver, "momentum_y") / mass, exact * std::sin(angle), 0.02 * exact);
-    EXPECT_LT(probe(*solver, "created_energy"), 1e-9 * probe(*solver, "kinetic_energy"));
+    EXPECT_LT(probe(*solver, "created_energy"), 1e-4 * 0.5 * mass * 4);  // of the landing
   }
 }
 

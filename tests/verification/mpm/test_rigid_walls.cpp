@@ -180,7 +180,7 @@ std::unique_ptr<Solver> weakening_block(const Weakening& w, const std::string& s
                         {"friction_at_speed", Weakening::least},
                         {"weakening_speed", w.v_c}};
   Json block = body("block", box({0.5, h}, {2.5, h + 1}, {4, 2}, "quad4"), 4,
-                    elastic_soil("neo_hookean", 1e6, 0.2, density), {w.speed, 0});
+                    elastic_soil("neo_hookean", 1e8, 0.2, density), {w.speed, 0});
   return make_mpm({{"dimension", 2},
                    {"grid", box({0, 0}, {14, 2.5}, {28, 5}, "quad4")},
                    {"gravity", {w.g * std::sin(w.angle), -w.g * std::cos(w.angle)}},
@@ -206,7 +206,8 @@ TEST(RigidWalls, block_whose_friction_falls_with_its_speed) {
            .computed = probe(*solver, "momentum_x") / probe(*solver, "mass"),
            .bound = 0.01,
            .unit = "m/s"});
-      EXPECT_LT(probe(*solver, "created_energy"), 1e-9 * probe(*solver, "kinetic_energy"));
+      // Less than the landing makes of Coulomb's friction, too.
+      EXPECT_LT(probe(*solver, "created_energy"), 1e-4 * 1000 * w->speed * w->speed);
     }
   }
 }
@@ -231,7 +232,7 @@ TEST(RigidWalls, block_that_stops_as_its_friction_grows) {
                   "stops, bossak",
           .exact = exact,
           .computed = way,
-          .bound = 0.01,
+          .bound = 2e-3,
           .unit = "m"});
   EXPECT_LT(std::abs(before), 1e-3 * level.speed);
 }
