@@ -38,28 +38,37 @@ NodalMotion<dim> nodal_motion(const Equilibrium<dim>& equilibrium, std::span<con
 }
 
 template <int dim>
-StepError step_error(const Equilibrium<dim>& equilibrium, const NodalMotion<dim>& motion) {
+StepError step_error(const Equilibrium<dim>& equilibrium, const NodalMotion<dim>& motion,
+                     std::span<const char> touched) {
   const auto& m = equilibrium.inertia_mass();
   const auto& a = equilibrium.start_acceleration();
   const SharedNodes& shared = equilibrium.shared();
-  double sums[3] = {};
-  auto& [mass, squared_jump, squared_speed] = sums;
+  double sums[4] = {};
+  auto& [mass, jump, squared_jump, squared_speed] = sums;
   for (std::size_t i = 0; i < m.size(); ++i) {
     if (!shared.owns(static_cast<std::int32_t>(i))) continue;
     mass += m[i];
     squared_speed += m[i] * motion.v_new[i].squaredNorm();
     const Eigen::Map<const Vector<dim>> a_i(&a[i * dim]);
-    squared_jump += m[i] * (motion.a_new[i] - a_i).squaredNorm();
+    const double squared = (motion.a_new[i] - a_i).squaredNorm();
+    if (touched[i] != 0) {
+      squared_jump += m[i] * squared;
+    } else {
+      jump += m[i] * std::sqrt(squared);
+    }
   }
   shared.total(sums);
   const auto& parts = equilibrium.parts();
   const double factor = std::abs(1.0 / 6 - parts.scheme.beta) * parts.dt * parts.dt;
-  return {factor * std::sqrt(squared_jump / mass), std::sqrt(squared_speed / mass)};
+  const double size = std::hypot(jump / mass, std::sqrt(squared_jump / mass));
+  return {factor * size, std::sqrt(squared_speed / mass)};
 }
 
 template NodalMotion<2> nodal_motion<2>(const Equilibrium<2>&, std::span<const double>);
 template NodalMotion<3> nodal_motion<3>(const Equilibrium<3>&, std::span<const double>);
-template StepError step_error<2>(const Equilibrium<2>&, const NodalMotion<2>&);
-template StepError step_error<3>(const Equilibrium<3>&, const NodalMotion<3>&);
+template StepError step_error<2>(const Equilibrium<2>&, const NodalMotion<2>&,
+                                 std::span<const char>);
+template StepError step_error<3>(const Equilibrium<3>&, const NodalMotion<3>&,
+                                 std::span<const char>);
 
 }  // namespace gabion::mpm

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+
 #include "common/run/time_steps.hpp"
 #include "mpm_solver/step_sizes/newton_counts.hpp"
 #include "mpm_solver/step_sizes/step_control.hpp"
@@ -148,6 +151,67 @@ TEST(StepControl, error_of_a_step_is_that_of_newmarks_method) {
   EXPECT_NEAR(error, g * dt * dt * dt / 12, 1e-12);
   EXPECT_NEAR(report.proposed_dt, dt * limit * dt * speed / error, 1e-9);
   EXPECT_EQ(report.details["dt_limit"], static_cast<int>(DtLimit::time_error));
+}
+
+/// What a few stray points run into.
+enum class Obstacle { wall, facets, boundary_points };
+
+/// The next dt by the error of a step in which a block of one cell runs into an obstacle at 1 m/s
+/// while a large one rests. Gravity does not act yet, but its sqrt(|g| h) is the speed by which
+/// errors are measured.
+/// @param share  of the density and stiffness of the large block: it does not change the motion
+double dt_of_stray_points(Obstacle obstacle, double share, MPI_Comm on = comm()) {
+  const auto soil = [](double part) {
+    return elastic_soil("hencky_elastic", 1e5 * part, 0.3, 1000 * part);
+  };
+  Json json = {
+      {"dimension", 2},
+      {"grid", box({1, 0}, {8, 1}, {28, 4}, "quad4")},
+      {"gravity", {0, -1000}},
+      {"gravity_ramp", {{"duration", 1e12}}},
+      {"bodies",
+       {body("rest", box({4, 0.25}, {6, 0.75}, {8, 2}, "quad4"), 4, soil(1)),
+        body("stray", box({1.25, 0.25}, {1.5, 0.5}, {1, 1}, "quad4"), 4, soil(share), {-1, 0})}},
+      {"newton", exact_newton},
+      {"step_control",
+       {{"time_error", 1e-8},
+        {"advective", nullptr},
+        {"strain", nullptr},
+        {"newton_target", nullptr},
+        {"approach", nullptr}}}};
+  if (obstacle == Obstacle::wall) {
+    json["grid"] = box({1.25, 0}, {8, 1}, {27, 4}, "quad4");
+    json["walls"] = {wall("left", "slip")};
+  } else {
+    json["interfaces"] = {{{"name", "plate"},
+                           {"surface", {{"polyline", {{1.25, 0}, {1.25, 1}}}, {"spacing", 0.25}}}}};
+  }
+  if (obstacle == Obstacle::boundary_points) {
+    json["interfaces"][0].update({{"method", "boundary_points"}, {"penalty", 1e8 * share}});
+  }
+  const auto solver = make_mpm(json, on);
+  InterfaceValues sent;
+  const StepRequest request{1, 0, 0, 1.0 / 256};
+  solver->solve_step(request, {}, sent);
+  const AcceptReport report = solver->accept_step(request, true);
+  EXPECT_EQ(report.details["dt_limit"], static_cast<int>(DtLimit::time_error));
+  return report.proposed_dt;
+}
+
+/// Points that run into a wall count by their share of the mass, those that alone press on an
+/// interface by its root, whatever the ranks.
+TEST(StepControl, stray_points_count_by_their_mass_and_in_full_where_they_hit_an_interface) {
+  const double rest = 1000, stray = 62.5;
+  const double q = stray / (rest + stray), quarter = 0.25 * stray / (rest + 0.25 * stray);
+  const std::pair<Obstacle, double> cases[] = {{Obstacle::wall, q / quarter},
+                                               {Obstacle::facets, std::sqrt(q / quarter)},
+                                               {Obstacle::boundary_points, std::sqrt(q / quarter)}};
+  for (const auto& [obstacle, ratio] : cases) {
+    SCOPED_TRACE(static_cast<int>(obstacle));
+    const double heavy = dt_of_stray_points(obstacle, 1);
+    EXPECT_NEAR(dt_of_stray_points(obstacle, 0.25) / heavy, ratio, 1e-6 * ratio);
+    EXPECT_NEAR(dt_of_stray_points(obstacle, 1, MPI_COMM_SELF), heavy, 1e-8 * heavy);
+  }
 }
 
 /// A block in flight that hits a wall: long steps on the way, short ones while it bounces.
