@@ -28,8 +28,8 @@ KeyTable step_control_keys() {
       "Limits from which the soil proposes the next dt; null: that limit does not act.",
       {limit("time_error", share, 1e-3,
              "Estimated error of the displacement in an implicit step over the longest one so far: "
-             "the mean over the mass of the soil, and the root mean square of what touches an "
-             "interface.")
+             "root mean square over the mass, without the hundredth of it where the error is "
+             "largest, unless that touches an interface.")
            .only("where a phase is implicit"),
        limit("advective", share, 0.3,
              "Largest displacement of a material point in a step over the cell size."),
