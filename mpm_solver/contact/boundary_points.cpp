@@ -152,6 +152,15 @@ void BoundaryPoints<dim>::add_forces(std::span<const double> du, std::span<doubl
 }
 
 template <int dim>
+void BoundaryPoints<dim>::mark_touched(std::span<char> nodes, std::size_t) const {
+  for (const std::int32_t k : touching_) {
+    const Point& b = points_[k];
+    if (!b.trial.closed) continue;
+    for (int i = 0; i < nodes_per_cell_; ++i) nodes[b.nodes[i]] = 1;
+  }
+}
+
+template <int dim>
 std::vector<double> BoundaryPoints<dim>::forces_on_structure(std::size_t) const {
   std::vector<double> forces(surface_.num_vertices() * dim, 0.0);
   for (const std::int32_t k : touching_) {

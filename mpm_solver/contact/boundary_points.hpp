@@ -34,6 +34,7 @@ class BoundaryPoints final : public Contact<dim> {
 
   void set_displacement(std::span<const double> displacement, std::size_t = 0) override;
   void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) override;
+  void mark_touched(std::span<char> nodes, std::size_t = 0) const override;
 
   std::vector<double> forces_on_structure(std::size_t = 0) const override;
   typename Contact<dim>::Resultant resultant(std::size_t = 0) const override;

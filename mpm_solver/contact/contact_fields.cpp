@@ -3,9 +3,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "common/base/require.hpp"
@@ -21,6 +21,9 @@ constexpr double same_side = 0.5;
 
 // What is nearer than a limit to within this share of it may be beyond it by rounding.
 constexpr double rounding = 1e-9;
+
+// Places that follow each other share a look around in blocks of this size.
+constexpr std::size_t block = 8;
 
 // In 3D the square of a mark is cut into this many parts along each side.
 constexpr int parts = 4;
@@ -39,6 +42,9 @@ struct PlacedSurface {
   std::array<Vector<dim>, dim> corners(std::int32_t s) const {
     return corners_of<dim>(cut[s], vertices);
   }
+  double height(std::int32_t s, const Vector<dim>& x) const {
+    return (x - vertices[cut[s][0]]).dot(bounds[s].normal);
+  }
   std::size_t facet(std::int32_t s) const { return static_cast<std::size_t>(s / cuts_per_facet); }
 
   std::span<const Vector<dim>> vertices;
@@ -48,49 +54,95 @@ struct PlacedSurface {
   FacetHash<dim> hash;
 };
 
-/// Simplices near each of some material points. Points that stand together, as those laid in one
-/// cell do, share a look at the lists of the surface.
+/// Sphere around some places.
+template <int dim>
+struct Surrounding {
+  Vector<dim> middle = Vector<dim>::Zero();
+  double radius = 0;  // [m]
+};
+
+/// Simplices near each of some places. Places that follow each other, as those of the points laid
+/// in one cell do, share a look at the lists of the surface.
 template <int dim>
 class NearPoints {
  public:
   NearPoints(const PlacedSurface<dim>& surface, std::span<const Vector<dim>> x, double reach)
       : surface_(surface), x_(x), reach_(reach) {}
 
-  /// All simplices within reach of point p, in the order of the surface, and some others; valid
+  /// All simplices within reach of place p, in the order of the surface, and some others; valid
   /// until the next call.
   std::span<const std::int32_t> of(std::size_t p) {
+    return of(p, [](std::int32_t, const Surrounding<dim>&) { return true; });
+  }
+  /// @param matters  whether simplex s matters to any of the places within the Surrounding
+  template <class Matters>
+  std::span<const std::int32_t> of(std::size_t p, const Matters& matters) {
     if (p / block != block_) start_block(p / block);
     const auto list = surface_.hash.near(x_[p]);
     if (list.data() == list_) return near_;
     list_ = list.data();
     near_.clear();
+    const double limit = (1 + rounding) * (reach_ + around_.radius);
     for (const std::int32_t s : list) {
-      if (!surface_.bounds[s].is_beyond(middle_, limit_)) near_.push_back(s);
+      if (surface_.bounds[s].is_beyond(around_.middle, limit) || !matters(s, around_)) continue;
+      near_.push_back(s);
     }
     return near_;
   }
 
  private:
-  static constexpr std::size_t block = 8;
-
   void start_block(std::size_t number) {
     block_ = number;
     list_ = nullptr;
     Eigen::AlignedBox<double, dim> box;
     const std::size_t end = std::min(x_.size(), (number + 1) * block);
     for (std::size_t p = number * block; p < end; ++p) box.extend(x_[p]);
-    middle_ = box.center();
-    limit_ = (1 + rounding) * (reach_ + box.diagonal().norm() / 2);
+    around_ = {box.center(), box.diagonal().norm() / 2};
   }
 
   const PlacedSurface<dim>& surface_;
   std::span<const Vector<dim>> x_;
   double reach_;
   std::size_t block_ = std::numeric_limits<std::size_t>::max();
-  Vector<dim> middle_ = Vector<dim>::Zero();  // of the points of the block
-  double limit_ = 0;                          // from there to a simplex that is near one of them
-  const std::int32_t* list_ = nullptr;        // that near_ was made of
+  Surrounding<dim> around_;             // the places of the block
+  const std::int32_t* list_ = nullptr;  // that near_ was made of
   std::vector<std::int32_t> near_;
+};
+
+/// Contact spheres of the material points of a block, once one of them is asked for.
+template <int dim>
+class SpheresOfBlock {
+ public:
+  SpheresOfBlock(const SphereOfPoint<dim>& sphere_of, std::int32_t num_points)
+      : sphere_of_(sphere_of), num_points_(static_cast<std::size_t>(num_points)) {}
+
+  const ContactSphere<dim>& of(std::int32_t p) {
+    look_at(p);
+    return spheres_[static_cast<std::size_t>(p) % block];
+  }
+  /// No sphere of the block of point p reaches farther [m].
+  double most(std::int32_t p) {
+    look_at(p);
+    return most_;
+  }
+
+ private:
+  void look_at(std::int32_t p) {
+    const std::size_t number = static_cast<std::size_t>(p) / block;
+    if (number == block_) return;
+    block_ = number;
+    most_ = 0;
+    for (std::size_t k = 0; k < std::min(block, num_points_ - number * block); ++k) {
+      spheres_[k] = sphere_of_(static_cast<std::int32_t>(number * block + k));
+      most_ = std::max(most_, spheres_[k].shape.norm() + spheres_[k].offset.norm());
+    }
+  }
+
+  const SphereOfPoint<dim>& sphere_of_;
+  std::size_t num_points_;
+  std::size_t block_ = std::numeric_limits<std::size_t>::max();
+  double most_ = 0;
+  std::array<ContactSphere<dim>, block> spheres_;
 };
 
 /// Part of a mark on a facet.
@@ -104,11 +156,12 @@ double width_of(double area, int dim) {
 }
 
 // Overlap of the strip with the segments, seen along the normal.
-void shares_of(const PlacedSurface<2>& surface, const ContactMark<2>& mark,
-               std::vector<FacetShare>& shares) {
+// @param about  all simplices within 1.5 widths of the mark, and others
+void shares_of(const PlacedSurface<2>& surface, std::span<const std::int32_t> about,
+               const ContactMark<2>& mark, std::vector<FacetShare>& shares) {
   const double half = mark.area / 2;
   const Vector<2> along(-mark.normal[1], mark.normal[0]);
-  for (const std::int32_t s : surface.hash.near(mark.x)) {
+  for (const std::int32_t s : about) {
     if (surface.bounds[s].normal.dot(mark.normal) <= same_side) continue;
     const auto c = surface.corners(s);
     const double a = along.dot(c[0] - mark.x), b = along.dot(c[1] - mark.x);
@@ -122,12 +175,12 @@ void shares_of(const PlacedSurface<2>& surface, const ContactMark<2>& mark,
 }
 
 // Each part of the square goes to the nearest triangle, of equally near ones to the first.
-void shares_of(const PlacedSurface<3>& surface, const ContactMark<3>& mark,
-               std::vector<FacetShare>& shares) {
+void shares_of(const PlacedSurface<3>& surface, std::span<const std::int32_t> about,
+               const ContactMark<3>& mark, std::vector<FacetShare>& shares) {
   const double width = std::sqrt(mark.area);
   const Vector<3> e1 = mark.normal.unitOrthogonal(), e2 = mark.normal.cross(e1);
   std::vector<std::int32_t> near;  // of the square and of half its width around it
-  for (const std::int32_t s : surface.hash.near(mark.x)) {
+  for (const std::int32_t s : about) {
     const SimplexBounds<3>& bounds = surface.bounds[s];
     if (bounds.normal.dot(mark.normal) > same_side && !bounds.is_beyond(mark.x, 1.5 * width)) {
       near.push_back(s);
@@ -228,10 +281,12 @@ void spread_marks(const ContactSurface<dim>& surface, std::span<const ContactMar
   }
   if (!(widest > 0)) return;
   const PlacedSurface<dim> placed(surface, fields.vertices, widest, places);
+  NearPoints<dim> near(placed, places, 1.5 * widest);
   std::vector<FacetShare> shares;
-  for (const ContactMark<dim>& mark : marks) {
+  for (std::size_t m = 0; m < marks.size(); ++m) {
+    const ContactMark<dim>& mark = marks[m];
     shares.clear();
-    shares_of(placed, mark, shares);
+    shares_of(placed, near.of(m), mark, shares);
     double sum = 0;
     for (const FacetShare& share : shares) sum += share.size;
     if (!(sum > 0)) {
@@ -252,25 +307,32 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
   const double farthest = reach + cube_side<dim>(widest);
   const PlacedSurface<dim> placed(surface, fields.vertices, farthest, points.x);
   NearPoints<dim> near(placed, points.x, farthest);
+  SpheresOfBlock<dim> spheres(sphere_of, points.size());
   for (std::int32_t p = 0; p < points.size(); ++p) {
     const Vector<dim>& x = points.x[p];
-    std::optional<ContactSphere<dim>> sphere;
-    for (const std::int32_t s : near.of(p)) {
+    // Of higher points: their gap is at least the height less R, more than what is known.
+    const auto highest = [&](std::int32_t s) {
+      const double known = std::min(fields.gap[placed.facet(s)], reach);
+      return (1 + rounding) * (std::max(0.0, known) + spheres.most(p));
+    };
+    const auto matters = [&](std::int32_t s, const Surrounding<dim>& around) {
+      const double height = placed.height(s, around.middle);
+      const double radius = (1 + rounding) * around.radius;
+      return height >= -radius && height - radius <= highest(s);
+    };
+    for (const std::int32_t s : near.of(p, matters)) {
+      const double height = placed.height(s, x);
+      if (height <= 0 || height > highest(s)) continue;
       const SimplexBounds<dim>& bounds = placed.bounds[s];
       if (bounds.is_beyond(x, farthest)) continue;
-      const auto corners = placed.corners(s);
-      const Vector<dim>& n = bounds.normal;
-      const double height = (x - corners[0]).dot(n);
-      if (height <= 0) continue;
-      if (!sphere) sphere = sphere_of(p);
-      const double R = sphere->reach(n);
+      const double R = spheres.of(p).reach(bounds.normal);
       const double half_width = width_of(points.V0[p] * points.J[p] / (2 * R), dim) / 2;
       double& least = fields.gap[placed.facet(s)];
       // the gap is at least the distance of the simplex - half_width - R
       const double limit =
           std::max(0.0, (1 + rounding) * (std::min(least, reach) + R + half_width));
       if (height > limit || bounds.is_beyond(x, limit)) continue;
-      const double gap = gap_to_soil<dim>(corners, x, height, R, half_width);
+      const double gap = gap_to_soil<dim>(placed.corners(s), x, height, R, half_width);
       if (gap <= reach) least = std::min(least, gap);
     }
   }

@@ -140,13 +140,27 @@ StepReport ImplicitStep<dim>::solve(const StepRequest& request) {
   return report;
 }
 
+// 1 for nodes of points of any rank that touch an interface, at the owners of the nodes.
+template <int dim>
+std::vector<char> ImplicitStep<dim>::touched_nodes() const {
+  std::vector<char> touched(equilibrium_->inertia_mass().size(), 0);
+  if (!parts_.state.surfaces.may_touch_interface()) return touched;
+  parts_.state.surfaces.mark_touched(touched);
+  const SharedNodes& shared = equilibrium_->shared();
+  if (shared.alone()) return touched;
+  std::vector<double> ranks(touched.begin(), touched.end());
+  shared.add_to_owners(ranks, 1);
+  std::ranges::transform(ranks, touched.begin(), [](double n) { return n > 0 ? 1 : 0; });
+  return touched;
+}
+
 template <int dim>
 StepEnd<dim> ImplicitStep<dim>::end() {
   equilibrium_->internal_forces().finish(du_);
   StepEnd<dim> end;
   end.motion = nodal_motion<dim>(*equilibrium_, du_);
   if (parts_.sizes.limits().time_error && start_.with_inertia && !start_.forces_jump) {
-    end.error = step_error(*equilibrium_, end.motion);
+    end.error = step_error<dim>(*equilibrium_, end.motion, touched_nodes());
   }
   end.balance = step_balance(*equilibrium_, du(), end.motion);
   const MaterialPoints<dim>& points = parts_.state.points;

@@ -55,6 +55,7 @@ class ImplicitStep : public StepMethod<dim> {
   NewtonReport solve_balance(const StepRequest& request);
   /// Newton's method from the start of a step (`first`), or from the last solution.
   virtual NewtonReport iterate(bool first, const NewtonSettings& settings);
+  std::vector<char> touched_nodes() const;
 
   Parts parts_;
   LinearSystem<dim> system_;

@@ -27,7 +27,9 @@ KeyTable step_control_keys() {
       "step_control",
       "Limits from which the soil proposes the next dt; null: that limit does not act.",
       {limit("time_error", share, 1e-3,
-             "Estimated error of the displacement in an implicit step over the longest one so far.")
+             "Estimated error of the displacement in an implicit step over the longest one so far: "
+             "root mean square over the mass, without the hundredth of it where the error is "
+             "largest, unless that touches an interface.")
            .only("where a phase is implicit"),
        limit("advective", share, 0.3,
              "Largest displacement of a material point in a step over the cell size."),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "common/run/time_steps.hpp"
 #include "mpm_solver/step_sizes/newton_counts.hpp"
 #include "mpm_solver/step_sizes/step_control.hpp"
@@ -10,6 +12,7 @@ namespace gabion::test {
 namespace {
 
 using mpm::DtLimit;
+using mpm::DtProposal;
 using mpm::StepControl;
 
 StepControl defaults() {
@@ -58,7 +61,7 @@ TEST(StepControl, many_iterations_shrink_and_four_easy_steps_allow_to_double) {
   StepControl control = defaults();
   EXPECT_EQ(control.accept({.dt = 1, .newton_iterations = 16}, 0).dt, 0.5);
   EXPECT_EQ(control.accept({.dt = 0.5, .newton_iterations = 6}, 0).dt, 0.5);
-  mpm::DtProposal proposal;
+  DtProposal proposal;
   for (int n = 1; n <= 4; ++n) {
     EXPECT_LT(proposal.dt, 1);
     proposal = control.accept({.dt = 0.5, .newton_iterations = 4}, 0);
@@ -148,6 +151,79 @@ TEST(StepControl, error_of_a_step_is_that_of_newmarks_method) {
   EXPECT_NEAR(error, g * dt * dt * dt / 12, 1e-12);
   EXPECT_NEAR(report.proposed_dt, dt * limit * dt * speed / error, 1e-9);
   EXPECT_EQ(report.details["dt_limit"], static_cast<int>(DtLimit::time_error));
+}
+
+/// What a few stray points run into.
+enum class Obstacle { wall, facets, boundary_points };
+
+/// The next dt after a step in which a block of one cell runs into an obstacle at 1 m/s while a
+/// large one rests. Gravity does not act yet, but its sqrt(|g| h) is the speed by which errors are
+/// measured. Only the error of the step limits dt.
+/// @param density  of the block and, in steps of 1000 kg/m^3, its stiffness: which does not change
+///                 its motion; the large one has 250 kg at 1000 kg/m^3
+DtProposal proposal_of_stray_points(Obstacle obstacle, double density, MPI_Comm on = comm()) {
+  const auto soil = [](double rho) { return elastic_soil("hencky_elastic", 100 * rho, 0.3, rho); };
+  Json json = {
+      {"dimension", 2},
+      {"grid", box({1, 0}, {8, 1}, {28, 4}, "quad4")},
+      {"gravity", {0, -1000}},
+      {"gravity_ramp", {{"duration", 1e12}}},
+      {"bodies",
+       {body("rest", box({4, 0.25}, {6, 0.75}, {8, 2}, "quad4"), 4, soil(1000)),
+        body("stray", box({1.25, 0.25}, {1.5, 0.5}, {1, 1}, "quad4"), 4, soil(density), {-1, 0})}},
+      {"newton", exact_newton},
+      {"step_control",
+       {{"time_error", 1e-8},
+        {"advective", nullptr},
+        {"strain", nullptr},
+        {"newton_target", nullptr},
+        {"approach", nullptr}}}};
+  if (obstacle == Obstacle::wall) {
+    json["grid"] = box({1.25, 0}, {8, 1}, {27, 4}, "quad4");
+    json["walls"] = {wall("left", "slip")};
+  } else {
+    json["interfaces"] = {{{"name", "plate"},
+                           {"surface", {{"polyline", {{1.25, 0}, {1.25, 1}}}, {"spacing", 0.25}}}}};
+  }
+  if (obstacle == Obstacle::boundary_points) {
+    json["interfaces"][0].update({{"method", "boundary_points"}, {"penalty", 1e5 * density}});
+  }
+  const auto solver = make_mpm(json, on);
+  InterfaceValues sent;
+  const StepRequest request{1, 0, 0, 1.0 / 256};
+  solver->solve_step(request, {}, sent);
+  const AcceptReport report = solver->accept_step(request, true);
+  return {report.proposed_dt, static_cast<DtLimit>(report.details["dt_limit"].get<int>())};
+}
+
+double stray_mass(double density) {
+  return 0.0625 * density;
+}
+
+/// Points that alone press on an interface count in full, however few they are.
+TEST(StepControl, stray_points_that_touch_an_interface_count_in_full) {
+  const auto share = [](double rho) { return stray_mass(rho) / (1000 + stray_mass(rho)); };
+  for (const Obstacle obstacle : {Obstacle::facets, Obstacle::boundary_points}) {
+    SCOPED_TRACE(static_cast<int>(obstacle));
+    const DtProposal heavy = proposal_of_stray_points(obstacle, 1000);
+    const DtProposal light = proposal_of_stray_points(obstacle, 10);
+    EXPECT_EQ(light.limit, DtLimit::time_error);
+    const double ratio = std::sqrt(share(1000) / share(10));
+    EXPECT_NEAR(light.dt / heavy.dt, ratio, 1e-6 * ratio);
+    EXPECT_NEAR(proposal_of_stray_points(obstacle, 10, MPI_COMM_SELF).dt, light.dt,
+                1e-8 * light.dt);
+  }
+}
+
+/// Up to a hundredth of the mass that runs into a wall does not shorten the next step.
+TEST(StepControl, stray_points_that_run_into_a_wall_do_not_decide) {
+  const DtProposal heavy = proposal_of_stray_points(Obstacle::wall, 1000);
+  EXPECT_EQ(heavy.limit, DtLimit::time_error);
+  EXPECT_LT(heavy.dt, 1e-3 / 256);
+  EXPECT_NEAR(proposal_of_stray_points(Obstacle::wall, 1000, MPI_COMM_SELF).dt, heavy.dt,
+              1e-8 * heavy.dt);
+  ASSERT_LT(stray_mass(100), 0.01 * 1000);
+  EXPECT_GT(proposal_of_stray_points(Obstacle::wall, 100).dt, 1.2 / 256);
 }
 
 /// A block in flight that hits a wall: long steps on the way, short ones while it bounces.
