@@ -78,7 +78,7 @@ class SoilOnGrid {
  private:
   bool wants_ghost(std::size_t phase) const;
   void find_thin_walls();
-  void split_sides();
+  std::vector<std::int32_t> split_sides();
   void cure_small_cuts(const Mapping& mapping);
 
   const SoilModel<dim>& model_;
