@@ -26,7 +26,8 @@ bool can_double_nodes(const BackgroundGrid<dim>& grid);
 /// side). A wall is thin where ThinWalls finds it so. A node is doubled where points of both sides
 /// weigh on it, by the sight between point and node through the faces of thin walls, and none that
 /// is at an end of the wall: the points on one side of it keep the node n, those on the other get
-/// n + num_nodes_total(). Which nodes these are, the points of all ranks decide. Refers to the grid.
+/// n + num_nodes_total(). Which nodes these are, the points of all ranks decide. Refers to the
+/// grid.
 template <int dim>
 class SideFields {
  public:

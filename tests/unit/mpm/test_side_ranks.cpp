@@ -16,8 +16,8 @@ struct SideCase {
   std::string locking = "none", small_cuts = "none", scheme = "explicit";
   bool tall = false;  ///< the border between two ranks goes through the wall, else along it
   double thickness = 0.5, offset = 0;  // by the cell
-  double dt = 2e-4;
-  int steps = 60;
+  double dt = 4e-4;
+  int steps = 30;
 };
 
 /// Soil against both sides of a wall, and some that passes over its crest, from rank to rank.
@@ -26,28 +26,27 @@ Json scene(const SideCase& given) {
   const int rows = given.tall ? 9 : 3;
   const double crest = h * rows - 0.05, top = h * (rows + 1);
   const Json material = elastic_soil("neo_hookean", 2e5, 0.3, 1500);
-  Json json = {
-      {"dimension", 2},
-      {"grid", box({0, 0}, {2.4, 2}, {24, 20}, "quad4")},
-      {"basis", given.basis},
-      {"locking", {{"method", given.locking}}},
-      {"small_cuts", {{"method", given.small_cuts}}},
-      {"walls", {wall("bottom", "slip")}},
-      {"probes", {{{"name", "A"}, {"point", {left - 0.05, 0.15}}}}},
-      {"rigid_walls",
-       {{{"name", "wall"},
-         {"method", "facets"},
-         {"friction", 0.3},
-         {"surface",
-          {{"polyline", {{right, -0.1}, {right, crest}, {left, crest}, {left, -0.1}}},
-           {"spacing", h}}}}}},
-      {"bodies",
-       {body("low", box({left - 0.3, 0}, {left, h * rows}, {3, rows}, "quad4"), 4, material,
-             {2, 0}),
-        body("high", box({left - 0.3, top}, {left, top + 0.3}, {3, 3}, "quad4"), 4, material,
-             {6, -0.5}),
-        body("behind", box({right, 0}, {right + 0.3, h * rows}, {3, rows}, "quad4"), 4, material,
-             {-1, 0})}}};
+  Json json = {{"dimension", 2},
+               {"grid", box({0, 0}, {2.4, 2}, {24, 20}, "quad4")},
+               {"basis", given.basis},
+               {"locking", {{"method", given.locking}}},
+               {"small_cuts", {{"method", given.small_cuts}}},
+               {"walls", {wall("bottom", "slip")}},
+               {"probes", {{{"name", "A"}, {"point", {left - 0.05, 0.15}}}}},
+               {"rigid_walls",
+                {{{"name", "wall"},
+                  {"method", "facets"},
+                  {"friction", 0.3},
+                  {"surface",
+                   {{"polyline", {{right, -0.1}, {right, crest}, {left, crest}, {left, -0.1}}},
+                    {"spacing", h}}}}}},
+               {"bodies",
+                {body("low", box({left - 0.3, 0}, {left, h * rows}, {3, rows}, "quad4"), 4,
+                      material, {2, 0}),
+                 body("high", box({left - 0.3, top}, {left, top + 0.3}, {3, 3}, "quad4"), 4,
+                      material, {9, -0.5}),
+                 body("behind", box({right, 0}, {right + 0.3, h * rows}, {3, rows}, "quad4"), 4,
+                      material, {-1, 0})}}};
   if (given.scheme == "explicit") {
     json["time_integration"] = {{"scheme", "explicit"}};
   } else {
@@ -89,35 +88,45 @@ void check(const SideCase& given) {
     EXPECT_EQ(solver->summary()["small_cuts"], alone->summary()["small_cuts"]);
   }
   if (size() > 1 && !given.tall) {
-    EXPECT_GT(shared->summary().at("ranks").at("moved_points"), 10);
+    EXPECT_GT(shared->summary().at("ranks").at("moved_points"), 3);
   }
 }
 
 TEST(SideRanks, number_of_ranks_does_not_change_explicit_steps) {
   for (const char* basis : {"linear", "gimp", "bspline"}) {
-    for (const bool tall : {false, true}) {
-      check({.basis = basis, .tall = tall});
-      check({.basis = basis, .locking = "fbar", .tall = tall, .thickness = 0.25, .offset = 0.25});
-    }
+    check({.basis = basis, .locking = "fbar"});
+    check({.basis = basis, .tall = true, .thickness = 0.25, .offset = 0.25});
   }
 }
 
 TEST(SideRanks, number_of_ranks_does_not_change_implicit_steps) {
   for (const char* basis : {"linear", "gimp", "bspline"}) {
-    check({.basis = basis, .scheme = "implicit", .dt = 2e-3, .steps = 8});
-    check({.basis = basis, .locking = "fbar", .scheme = "implicit", .tall = true, .dt = 2e-3,
-           .steps = 8});
+    check({.basis = basis, .scheme = "implicit", .dt = 2e-3, .steps = 6});
   }
+  check({.basis = "gimp",
+         .locking = "fbar",
+         .scheme = "implicit",
+         .tall = true,
+         .dt = 2e-3,
+         .steps = 6});
 }
 
 TEST(SideRanks, number_of_ranks_does_not_change_the_cures_of_small_cuts) {
-  for (const char* basis : {"linear", "gimp"}) {
-    for (const char* cure : {"ghost", "mass_cutoff"}) {
-      for (const bool tall : {false, true}) {
-        check({.basis = basis, .small_cuts = cure, .scheme = "implicit", .tall = tall,
-               .offset = 0.25, .dt = 2e-3, .steps = 8});
-      }
-    }
+  for (const bool tall : {false, true}) {
+    check({.basis = tall ? "linear" : "gimp",
+           .small_cuts = "ghost",
+           .scheme = "implicit",
+           .tall = tall,
+           .offset = 0.25,
+           .dt = 2e-3,
+           .steps = 6});
+    check({.basis = tall ? "gimp" : "linear",
+           .small_cuts = "mass_cutoff",
+           .scheme = "implicit",
+           .tall = tall,
+           .offset = 0.25,
+           .dt = 2e-3,
+           .steps = 6});
   }
 }
 
