@@ -24,11 +24,6 @@ std::int64_t num_points(const MpmSettings<dim>& settings) {
 }  // namespace
 
 template <int dim>
-std::string needs_one_rank(const MpmSettings<dim>& settings) {
-  return settings.body_groups.any() ? "bodies with nodes of their own" : "";
-}
-
-template <int dim>
 RankAdvice advise_ranks(const MpmSettings<dim>& settings, int cores) {
   const std::int64_t points = num_points(settings);
   const std::string what = fmt::format("{} points in {}", points, dim == 2 ? "the plane" : "space");
@@ -43,14 +38,9 @@ RankAdvice advise_ranks(const MpmSettings<dim>& settings, int cores) {
   if (std::ranges::any_of(settings.bodies, drains<dim>)) {
     return {1, "pore water that drains, whose matrix is factorised"};
   }
-  if (const std::string need = needs_one_rank(settings); !need.empty()) {
-    return {1, need + " needs one rank"};
-  }
   return {static_cast<int>(ranks), fmt::format("{}, {} cores", what, cores)};
 }
 
-template std::string needs_one_rank<2>(const MpmSettings<2>&);
-template std::string needs_one_rank<3>(const MpmSettings<3>&);
 template RankAdvice advise_ranks<2>(const MpmSettings<2>&, int);
 template RankAdvice advise_ranks<3>(const MpmSettings<3>&, int);
 

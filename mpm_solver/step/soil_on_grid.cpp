@@ -104,7 +104,9 @@ void SoilOnGrid<dim>::weigh() {
   }
   evaluate_basis(model_.grid, points_, weights_, border ? &*border : nullptr);
   const BodyGroups& groups = model_.settings.body_groups;
-  if (groups.any()) split_groups(groups.of_body, model_.grid.num_nodes_total(), weights_);
+  doubled_.clear();
+  if (!groups.any()) return;
+  doubled_ = split_groups(model_.comm, groups.of_body, model_.grid.num_nodes_total(), weights_);
 }
 
 // Part those that can have fields by side from the others.
@@ -124,18 +126,15 @@ void SoilOnGrid<dim>::find_thin_walls() {
   }
 }
 
-// Give the sides of thin walls nodes of their own. Returns numbers of doubled nodes that this rank
-// needs.
+// Give the sides of thin walls nodes of their own.
 template <int dim>
-std::vector<std::int32_t> SoilOnGrid<dim>::split_sides() {
-  if (!sides_) return {};
-  std::vector<std::int32_t> doubled = sides_->split(surfaces_, points_, weights_);
-  if (!said_doubled_ && sides_->num_doubled() > 0) {
-    said_doubled_ = true;
-    log::info("soil on both sides of a thin wall: {} nodes are doubled (fields by side)",
-              sides_->num_doubled());
-  }
-  return doubled;
+void SoilOnGrid<dim>::split_sides() {
+  if (!sides_) return;
+  doubled_ = sides_->split(surfaces_, points_, weights_);
+  if (said_doubled_ || sides_->num_doubled() == 0) return;
+  said_doubled_ = true;
+  log::info("soil on both sides of a thin wall: {} nodes are doubled (fields by side)",
+            sides_->num_doubled());
 }
 
 template <int dim>
@@ -149,12 +148,12 @@ void SoilOnGrid<dim>::map(Mapping mapping) {
   {
     const ScopedTimer timer(times_, "search");
     weigh();
-    const auto doubled = split_sides();
-    mapping.other_nodes.insert(mapping.other_nodes.end(), doubled.begin(), doubled.end());
+    split_sides();
+    mapping.other_nodes.insert(mapping.other_nodes.end(), doubled_.begin(), doubled_.end());
     ghost_acts_ = wants_ghost(mapping.phase);
     if (ghost_acts_) {
       const auto nodes =
-          ghost_->find_facets(ranks_.owners(), points_, weights_, doubled, laws_.of_points());
+          ghost_->find_facets(ranks_.owners(), points_, weights_, doubled_, laws_.of_points());
       mapping.other_nodes.insert(mapping.other_nodes.end(), nodes.begin(), nodes.end());
     }
     activate_nodes(model_.comm, model_.grid, weights_, std::span(mapping.other_nodes), nodes_);

@@ -78,7 +78,7 @@ class SoilOnGrid {
  private:
   bool wants_ghost(std::size_t phase) const;
   void find_thin_walls();
-  std::vector<std::int32_t> split_sides();
+  void split_sides();
   void cure_small_cuts(const Mapping& mapping);
 
   const SoilModel<dim>& model_;
@@ -87,6 +87,7 @@ class SoilOnGrid {
   PhaseTimes& times_;
   std::vector<WallConditions<dim>> walls_of_phases_;
   PointWeights<dim> weights_;
+  std::vector<std::int32_t> doubled_;  // numbers of nodes whose other numbers act here
   PointLaws<dim> laws_;
   GridNodes<dim> nodes_;
   InelasticProjection<dim> stop_;
