@@ -116,8 +116,7 @@ std::vector<Key> model_keys() {
           key::objects("bodies", body_keys(), "The soil.").not_empty(),
           key::object("contact_groups", contact_group_keys(),
                       "Bodies that have nodes of their own and meet by contact, on a `box` grid of "
-                      "quad4 or hex8 and one rank; none: all bodies share the nodes, and stick to "
-                      "each other.")
+                      "quad4 or hex8; none: all bodies share the nodes, and stick to each other.")
               .or_none(),
           key::vector("gravity", "m/s^2", "Acceleration on all material points.").or_else(0),
           key::objects("pools", pool_keys(),

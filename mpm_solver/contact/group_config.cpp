@@ -162,9 +162,4 @@ BodyGroups read_body_groups(ConfigReader& in, const std::vector<std::string>& bo
   return groups;
 }
 
-void require_one_rank_for_groups(int num_ranks, const BodyGroups& groups) {
-  if (!groups.any() || num_ranks == 1) return;
-  throw ConfigError(fmt::format("{}: found {} ranks, allowed: 1", groups.where, num_ranks));
-}
-
 }  // namespace gabion::mpm

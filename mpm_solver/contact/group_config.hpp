@@ -16,7 +16,4 @@ KeyTable contact_group_keys();
 /// @throws ConfigError  a body in no group or in two, a pair that is missing or given twice
 BodyGroups read_body_groups(ConfigReader& in, const std::vector<std::string>& bodies);
 
-/// @throws ConfigError  groups on several ranks
-void require_one_rank_for_groups(int num_ranks, const BodyGroups& groups);
-
 }  // namespace gabion::mpm

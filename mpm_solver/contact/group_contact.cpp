@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "common/base/log.hpp"
+#include "common/mechanics/ranks/text.hpp"
 #include "mpm_solver/contact/contact_frame.hpp"
 #include "mpm_solver/grid/group_fields.hpp"
 
@@ -133,8 +134,11 @@ double GroupContact<dim>::stored_at_start(const ContactNode& contact) const {
 // a new gap, area or slip.
 template <int dim>
 void GroupContact<dim>::keep_stored_energy() {
-  std::vector<double> gained(groups_.pairs.size(), 0.0), lost(gained);
-  for (const RememberedNode<dim>& before : memory_.nodes()) lost[before.pair] += before.stored;
+  const std::size_t num_pairs = groups_.pairs.size();
+  std::vector<double> sums(2 * num_pairs, 0.0);
+  const std::span<double> lost = std::span(sums).first(num_pairs);
+  const std::span<double> gained = std::span(sums).last(num_pairs);
+  for (const RememberedNode<dim>& before : own_.nodes()) lost[before.pair] += before.stored;
   const auto stored_before = [&](const ContactNode& contact) {
     const RememberedNode<dim>* const before = memory_.find(contact.node.place, contact.node.pair);
     return before ? before->stored : 0.0;
@@ -144,6 +148,7 @@ void GroupContact<dim>::keep_stored_energy() {
     lost[contact.node.pair] -= std::min(before, now);
     gained[contact.node.pair] += std::max(0.0, now - before);
   }
+  sum_over_ranks(comm_, std::span<double>(sums));
   for (ContactNode& contact : contacts_) {
     const std::int32_t pair = contact.node.pair;
     if (gained[pair] <= lost[pair]) continue;
@@ -156,14 +161,15 @@ void GroupContact<dim>::keep_stored_energy() {
   }
 }
 
+// Empty where a node is not worth a warning.
 template <int dim>
-void GroupContact<dim>::warn_of_overlap(const SoilSurface<dim>& soil, const ContactNode& contact) {
+std::string GroupContact<dim>::text_of_overlap(const SoilSurface<dim>& soil,
+                                               const ContactNode& contact) const {
   const GroupNode<dim>& node = contact.node;
-  if (said_overlap_ || contact.goes_on || node.overlap <= notable_overlap * cell_size_) return;
-  said_overlap_ = true;
+  if (contact.goes_on || node.overlap <= notable_overlap * cell_size_) return {};
   const GroupPair& pair = groups_.pairs[node.pair];
   const Vector<dim> x = soil.grid.node(node.place);
-  log::warn(
+  return fmt::format(
       "{}: bodies of \"{}\" and \"{}\" are {:.3g} m in each other near ({:.4g}) without having "
       "touched before: they passed each other in one step; take smaller steps",
       groups_.where, groups_.names[pair.first], groups_.names[pair.second], node.overlap,
@@ -171,13 +177,13 @@ void GroupContact<dim>::warn_of_overlap(const SoilSurface<dim>& soil, const Cont
 }
 
 template <int dim>
-void GroupContact<dim>::warn_of_corner(const SoilSurface<dim>& soil, const GroupNode<dim>& node) {
+std::string GroupContact<dim>::text_of_corner(const SoilSurface<dim>& soil,
+                                              const GroupNode<dim>& node) const {
   const double lean = notable_lean * cell_size_;
-  if (said_corner_ || !node.separates || node.gap >= -node.overlap - lean) return;
-  said_corner_ = true;
+  if (!node.separates || node.gap >= -node.overlap - lean) return {};
   const GroupPair& pair = groups_.pairs[node.pair];
   const Vector<dim> x = soil.grid.node(node.place);
-  log::warn(
+  return fmt::format(
       "{}: bodies of \"{}\" and \"{}\" meet in a re-entrant corner near ({:.4g}): one node has one "
       "normal, so that what slides into the corner may stop short of it or be lifted; give the "
       "sides of the corner groups of their own",
@@ -185,12 +191,19 @@ void GroupContact<dim>::warn_of_corner(const SoilSurface<dim>& soil, const Group
       fmt::join(x.data(), x.data() + dim, ", "));
 }
 
+template <int dim>
+void GroupContact<dim>::warn_once(const std::string& text, bool& said) const {
+  if (said) return;
+  const std::string first = first_text(comm_, text);
+  said = !first.empty();
+  if (said) log::warn("{}", first);
+}
+
 // Forces of the step before at nodes that both groups still have, but that carry no contact.
 template <int dim>
-void GroupContact<dim>::find_left_forces(const SoilSurface<dim>& soil) {
+void GroupContact<dim>::find_left_forces(const SoilSurface<dim>& soil,
+                                         const GroupsAtNodes<dim>& at_nodes) {
   left_.clear();
-  if (memory_.nodes().empty()) return;
-  const GroupsAtNodes<dim> at_nodes(groups_.of_body, soil.nodes.num_places, soil.weights);
   std::size_t k = 0;
   const auto key = [](const auto& node) { return std::pair(node.place, node.pair); };
   for (const RememberedNode<dim>& before : memory_.nodes()) {
@@ -198,7 +211,7 @@ void GroupContact<dim>::find_left_forces(const SoilSurface<dim>& soil) {
     if (k < contacts_.size() && key(contacts_[k].node) == key(before)) continue;
     const GroupPair& pair = groups_.pairs[before.pair];
     const std::uint32_t both = (std::uint32_t{1} << pair.first) | (std::uint32_t{1} << pair.second);
-    if ((at_nodes.at(before.place) & both) != both) continue;
+    if ((at_nodes.at(before.place) & both) != both || !at_nodes.owns(before.place)) continue;
     const auto node = [&](std::int32_t group) {
       return soil.nodes.active[at_nodes.node(before.place, group)];
     };
@@ -208,21 +221,27 @@ void GroupContact<dim>::find_left_forces(const SoilSurface<dim>& soil) {
 
 template <int dim>
 void GroupContact<dim>::begin_step(const SoilSurface<dim>& soil) {
+  comm_ = soil.comm;
   force_weight_ = soil.step_force_weight;
   cell_size_ = soil.cell_size;
   has_substeps_ = false;
   contacts_.clear();
-  for (const GroupNode<dim>& node : find_contact_nodes(soil, groups_)) {
-    warn_of_corner(soil, node);
+  memory_ = own_.of_all(comm_);
+  const GroupsAtNodes<dim> at_nodes(comm_, groups_.of_body, soil.nodes.num_places, soil.weights);
+  std::string overlap, corner;  // what is to be said of the first nodes that ask for it
+  for (const GroupNode<dim>& node : find_contact_nodes(soil, groups_, at_nodes)) {
+    if (corner.empty()) corner = text_of_corner(soil, node);
     ContactNode contact{.node = node};
     follow(contact);
     if (memory_.find(node.place, node.pair) == nullptr) go_on_from_neighbours(soil.grid, contact);
     contact.frame = frame_of<dim>(node.n);
-    warn_of_overlap(soil, contact);
+    if (overlap.empty()) overlap = text_of_overlap(soil, contact);
     contacts_.push_back(contact);
   }
+  warn_once(corner, said_corner_);
+  warn_once(overlap, said_overlap_);
   keep_stored_energy();
-  find_left_forces(soil);
+  find_left_forces(soil, at_nodes);
 }
 
 template <int dim>

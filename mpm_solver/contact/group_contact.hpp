@@ -92,9 +92,10 @@ class GroupContact final : public Contact<dim> {
   void go_on_from_neighbours(const BackgroundGrid<dim>& grid, ContactNode& contact) const;
   double stored_at_start(const ContactNode& contact) const;
   void keep_stored_energy();
-  void find_left_forces(const SoilSurface<dim>& soil);
-  void warn_of_overlap(const SoilSurface<dim>& soil, const ContactNode& contact);
-  void warn_of_corner(const SoilSurface<dim>& soil, const GroupNode<dim>& node);
+  void find_left_forces(const SoilSurface<dim>& soil, const GroupsAtNodes<dim>& at_nodes);
+  std::string text_of_overlap(const SoilSurface<dim>& soil, const ContactNode& contact) const;
+  std::string text_of_corner(const SoilSurface<dim>& soil, const GroupNode<dim>& node) const;
+  void warn_once(const std::string& text, bool& said) const;
   void move(std::span<const double> du, ContactNode& contact) const;
   void set_slip(ContactNode& contact) const;
   void add_stiffness(const ContactNode& contact, const Matrix<dim>& slope,
@@ -103,13 +104,15 @@ class GroupContact final : public Contact<dim> {
 
   const BodyGroups& groups_;
   std::int32_t num_places_;
-  GroupMemory<dim> memory_;
+  GroupMemory<dim> own_;  // of the nodes that this rank carried
   ContactEnergy energy_;
   double stored_slip_ = 0;             // part of the stored energy in tangential springs [J]
   std::vector<Vector<dim>> accepted_;  // forces()
   bool said_overlap_ = false, said_corner_ = false;
 
   // the step under way
+  MPI_Comm comm_ = MPI_COMM_SELF;
+  GroupMemory<dim> memory_;  // own_ of all ranks, together
   std::vector<ContactNode> contacts_;
   std::vector<LeftForce> left_;
   double force_weight_ = 1, cell_size_ = 0;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/require.hpp"
+#include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/group_contact.hpp"
 #include "mpm_solver/points/flat.hpp"
 
@@ -121,9 +122,10 @@ void GroupContact<dim>::accept() {
     for (const ContactNode& contact : contacts_) resultants_[contact.node.pair] += contact.force;
   }
   accepted_ = resultants_;
+  sum_over_ranks<dim>(comm_, std::span(accepted_));
   energy_.add_step(work, stored + stored_slip, slid);
   stored_slip_ = stored_slip;
-  memory_.replace(std::move(nodes));
+  own_.replace(std::move(nodes));
 }
 
 template <int dim>
@@ -131,7 +133,7 @@ bool GroupContact<dim>::drop(std::size_t, bool dropped) {
   contacts_.clear();
   left_.clear();
   if (!dropped) return true;
-  memory_.replace({});
+  own_.replace({});
   std::ranges::fill(accepted_, Vector<dim>::Zero());
   energy_.loss += energy_.stored;
   energy_.stored = stored_slip_ = 0;
@@ -145,7 +147,7 @@ void GroupContact<dim>::visit_state(StateVisitor& visitor, const std::string& pr
   visitor.fact(prefix + "groups", found);
   require(found == own, "saved state: found the contact groups {}, allowed: those of this run, {}",
           found.dump(), own.dump());
-  memory_.visit_state(visitor, prefix, num_places_,
+  own_.visit_state(visitor, prefix, num_places_,
                       static_cast<std::int32_t>(groups_.pairs.size()));
   visitor.reals(prefix + "forces", flat(accepted_));
   const std::pair<const char*, double*> energies[] = {{"stored", &energy_.stored},

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/require.hpp"
+#include "common/mechanics/ranks/gather.hpp"
 
 namespace gabion::mpm {
 
@@ -25,42 +26,64 @@ const RememberedNode<dim>* GroupMemory<dim>::find(std::int32_t place, std::int32
 }
 
 template <int dim>
-void GroupMemory<dim>::visit_state(StateVisitor& visitor, const std::string& prefix,
-                                   std::int32_t num_places, std::int32_t num_pairs) {
-  constexpr std::size_t width = 2 * dim + 4;
-  std::vector<std::int64_t> where;
-  std::vector<double> values;
+GroupMemory<dim> GroupMemory<dim>::of_all(MPI_Comm comm) const {
+  if (num_ranks(comm) == 1) return *this;
+  NodeLists own;
+  put(own);
+  const NodeLists all{gather_on_all<std::int64_t>(comm, own.where),
+                      gather_on_all<double>(comm, own.values)};
+  GroupMemory result;
+  result.take(all);
+  return result;
+}
+
+template <int dim>
+void GroupMemory<dim>::put(NodeLists& lists) const {
   for (const auto& node : nodes_) {
-    where.insert(where.end(), {node.place, node.pair});
-    values.insert(values.end(), node.force.begin(), node.force.end());
-    values.insert(values.end(), node.slip.begin(), node.slip.end());
-    values.insert(values.end(), {node.gap, node.area, node.moved, node.stored});
+    lists.where.insert(lists.where.end(), {node.place, node.pair});
+    lists.values.insert(lists.values.end(), node.force.begin(), node.force.end());
+    lists.values.insert(lists.values.end(), node.slip.begin(), node.slip.end());
+    lists.values.insert(lists.values.end(), {node.gap, node.area, node.moved, node.stored});
   }
-  visitor.list(prefix + "nodes", where);
-  visitor.list(prefix + "node_values", values);
-  const std::size_t count = where.size() / 2;
-  require(where.size() % 2 == 0 && values.size() == width * count,
-          "saved state: {}nodes: found {} numbers and {} values, allowed: 2 and {} of each", prefix,
-          where.size(), values.size(), width);
-  nodes_.assign(count, {});
-  for (std::size_t k = 0; k < count; ++k) {
+}
+
+template <int dim>
+void GroupMemory<dim>::take(const NodeLists& lists) {
+  nodes_.assign(lists.where.size() / 2, {});
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
     auto& node = nodes_[k];
-    require(where[2 * k] >= 0 && where[2 * k] < num_places && where[2 * k + 1] >= 0 &&
-                where[2 * k + 1] < num_pairs,
-            "saved state: {}nodes: found node {} of pair {}, allowed: below {} and {}", prefix,
-            where[2 * k], where[2 * k + 1], num_places, num_pairs);
-    node.place = static_cast<std::int32_t>(where[2 * k]);
-    node.pair = static_cast<std::int32_t>(where[2 * k + 1]);
-    const double* value = values.data() + width * k;
+    node.place = static_cast<std::int32_t>(lists.where[2 * k]);
+    node.pair = static_cast<std::int32_t>(lists.where[2 * k + 1]);
+    const double* value = lists.values.data() + width * k;
     node.force = Eigen::Map<const Vector<dim>>(value);
     node.slip = Eigen::Map<const Vector<dim>>(value + dim);
     node.gap = value[2 * dim];
     node.area = value[2 * dim + 1];
     node.moved = value[2 * dim + 2];
     node.stored = value[2 * dim + 3];
-    require(k == 0 || key_of(nodes_[k - 1]) < key_of(node),
-            "saved state: {}nodes: found a node out of order", prefix);
   }
+  std::ranges::sort(nodes_, {}, key_of<dim>);
+}
+
+template <int dim>
+void GroupMemory<dim>::visit_state(StateVisitor& visitor, const std::string& prefix,
+                                   std::int32_t num_places, std::int32_t num_pairs) {
+  NodeLists lists;
+  put(lists);
+  auto& [where, values] = lists;
+  visitor.list(prefix + "nodes", where);
+  visitor.list(prefix + "node_values", values);
+  require(where.size() % 2 == 0 && values.size() == width * (where.size() / 2),
+          "saved state: {}nodes: found {} numbers and {} values, allowed: 2 and {} of each", prefix,
+          where.size(), values.size(), width);
+  for (std::size_t k = 0; k < where.size(); k += 2) {
+    require(where[k] >= 0 && where[k] < num_places && where[k + 1] >= 0 && where[k + 1] < num_pairs,
+            "saved state: {}nodes: found node {} of pair {}, allowed: below {} and {}", prefix,
+            where[k], where[k + 1], num_places, num_pairs);
+  }
+  take(lists);
+  require(std::ranges::adjacent_find(nodes_, {}, key_of<dim>) == nodes_.end(),
+          "saved state: {}nodes: found a node twice", prefix);
 }
 
 template class GroupMemory<2>;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mpi.h>
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -31,11 +33,21 @@ class GroupMemory {
   /// @pre by place, then by pair
   void replace(std::vector<RememberedNode<dim>> nodes) { nodes_ = std::move(nodes); }
   const std::vector<RememberedNode<dim>>& nodes() const { return nodes_; }
-  /// @throws Error  not one of num_places or num_pairs, or not in order
+  /// Those of all ranks, of which no two have the same. @note Collective.
+  GroupMemory of_all(MPI_Comm comm) const;
+  /// @throws Error  not one of num_places or num_pairs, or one twice
   void visit_state(StateVisitor& visitor, const std::string& prefix, std::int32_t num_places,
                    std::int32_t num_pairs);
 
  private:
+  static constexpr std::size_t width = 2 * dim + 4;  // values of a node
+  struct NodeLists {
+    std::vector<std::int64_t> where{};  // place and pair of each
+    std::vector<double> values{};
+  };
+  void put(NodeLists& lists) const;
+  void take(const NodeLists& lists);
+
   std::vector<RememberedNode<dim>> nodes_;
 };
 

@@ -6,6 +6,7 @@
 
 #include "mpm_solver/contact/body_groups.hpp"
 #include "mpm_solver/contact/contact.hpp"
+#include "mpm_solver/grid/group_fields.hpp"
 
 namespace gabion::mpm {
 
@@ -26,10 +27,12 @@ struct GroupNode {
 
 /// The contact nodes of the accepted state: normals and gaps by the points around, areas by the
 /// gradients of volume (docs/theory/bodies.md, (G1) to (G4)).
-/// @returns by place, then by pair
+/// @returns those that this rank carries, by place, then by pair
+/// @note Collective.
 template <int dim>
 std::vector<GroupNode<dim>> find_contact_nodes(const SoilSurface<dim>& soil,
-                                               const BodyGroups& groups);
+                                               const BodyGroups& groups,
+                                               const GroupsAtNodes<dim>& at_nodes);
 
 /// Nodes of a box at most so many cells from a node along each axis, that one among them.
 template <int dim>

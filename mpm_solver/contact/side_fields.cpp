@@ -2,11 +2,13 @@
 #include "mpm_solver/contact/side_fields.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
-#include <numeric>
 #include <utility>
 
+#include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/goes_through.hpp"
+#include "mpm_solver/grid/node_bits.hpp"
 
 namespace gabion::mpm {
 
@@ -27,38 +29,6 @@ constexpr double before_cosine = 0.5;
 constexpr std::int32_t unknown = -1;
 constexpr std::int32_t no_face = -2;
 
-// Give the entries of a group another order.
-template <int dim>
-void reorder(const CellGroup& group, std::span<const std::int32_t> order,
-             PointWeights<dim>& weights) {
-  const PointWeights<dim> old = [&] {
-    PointWeights<dim> part;
-    const auto copy = [&](const auto& from, auto& to, std::int32_t first, std::int32_t last) {
-      to.assign(from.begin() + first, from.begin() + last);
-    };
-    const std::int32_t begin = weights.starts[group.first], end = weights.starts[group.last];
-    copy(weights.point, part.point, group.first, group.last);
-    copy(weights.volume, part.volume, group.first, group.last);
-    copy(weights.starts, part.starts, group.first, group.last + 1);
-    copy(weights.local, part.local, begin, end);
-    copy(weights.N, part.N, begin, end);
-    copy(weights.grad_N, part.grad_N, begin, end);
-    for (std::int32_t& start : part.starts) start -= begin;
-    return part;
-  }();
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const std::int32_t from = order[k], to = group.first + static_cast<std::int32_t>(k);
-    const std::int32_t first = weights.starts[to];
-    weights.point[to] = old.point[from];
-    weights.volume[to] = old.volume[from];
-    const int n = old.num_nodes(from);
-    std::copy_n(old.local_of(from), n, weights.local.begin() + first);
-    std::copy_n(old.N_of(from), n, weights.N.begin() + first);
-    std::copy_n(old.grad_of(from), n, weights.grad_N.begin() + first);
-    weights.starts[to + 1] = first + n;
-  }
-}
-
 }  // namespace
 
 template <int dim>
@@ -68,9 +38,13 @@ bool can_double_nodes(const BackgroundGrid<dim>& grid) {
 }
 
 template <int dim>
-SideFields<dim>::SideFields(Faces<dim> faces, std::vector<FacePair> pairs,
+SideFields<dim>::SideFields(MPI_Comm comm, Faces<dim> faces, std::vector<FacePair> pairs,
                             const BackgroundGrid<dim>& grid)
-    : grid_(grid), faces_(std::move(faces)), pairs_(std::move(pairs)), which_(members(pairs_)) {
+    : comm_(comm),
+      grid_(grid),
+      faces_(std::move(faces)),
+      pairs_(std::move(pairs)),
+      which_(members(pairs_)) {
   for (const std::int32_t s : which_) surfaces_.push_back(faces_.surface[s]);
   surfaces_.erase(std::unique(surfaces_.begin(), surfaces_.end()), surfaces_.end());
   reach_ = (grid.basis == Basis::linear ? 1 : 2) * grid.box->spacing.norm();
@@ -212,11 +186,11 @@ std::vector<std::int32_t> SideFields<dim>::faces_near(const CellGroup& group) co
   return faces;
 }
 
-// Whether there are points before both faces of a pair, so that a node may be doubled.
+// Whether there are points of any ranks before both faces of a pair, so that a node may be doubled.
 template <int dim>
 bool SideFields<dim>::has_two_sides(const MaterialPoints<dim>& points,
                                     const PointWeights<dim>& weights) const {
-  std::vector<char> has_soil(acting_.size(), 0);
+  std::vector<std::int32_t> has_soil(acting_.size(), 0);
   for (const CellGroup& group : weights.groups) {
     for (const std::int32_t s : faces_near(group)) {
       const Vector<dim>& corner = faces_.vertices[acting_[s][0]];
@@ -226,6 +200,7 @@ bool SideFields<dim>::has_two_sides(const MaterialPoints<dim>& points,
       }
     }
   }
+  max_over_ranks(comm_, std::span<std::int32_t>(has_soil));
   return std::ranges::any_of(acting_pairs_, [&](const FacePair& pair) {
     return has_soil[pair.front] != 0 && has_soil[pair.back] != 0;
   });
@@ -246,9 +221,32 @@ void SideFields<dim>::look(const MaterialPoints<dim>& points, const PointWeights
   }
 }
 
-// Points that are far from all thin walls are on the near side of all their nodes.
+// Around the nodes that points near thin walls weigh on, of all ranks.
+template <int dim>
+Eigen::AlignedBox<double, dim> SideFields<dim>::box_of_reached() {
+  Eigen::AlignedBox<double, dim> box;
+  reached_.for_each(
+      [&](std::size_t node, char) { box.extend(grid_.node(static_cast<std::int32_t>(node))); });
+  std::array<double, 2 * dim> ends;
+  for (int d = 0; d < dim; ++d) {
+    ends[d] = -box.min()[d];
+    ends[dim + d] = box.max()[d];
+  }
+  max_over_ranks(comm_, std::span<double>(ends));
+  for (int d = 0; d < dim; ++d) {
+    box.min()[d] = -ends[d];
+    box.max()[d] = ends[dim + d];
+  }
+  return box;
+}
+
+// Points that are far from all thin walls are on the near side of all their nodes. Where other
+// ranks reach some of these, only the box around all those tells.
 template <int dim>
 void SideFields<dim>::reach_from_afar(const PointWeights<dim>& weights) {
+  const bool alone = num_ranks(comm_) == 1;
+  const Eigen::AlignedBox<double, dim> box =
+      alone ? Eigen::AlignedBox<double, dim>() : box_of_reached();
   auto near = near_.begin();
   for (std::int32_t g = 0; g < std::ssize(weights.groups); ++g) {
     if (near != near_.end() && near->group == g) {
@@ -256,79 +254,62 @@ void SideFields<dim>::reach_from_afar(const PointWeights<dim>& weights) {
       continue;
     }
     for (const std::int32_t node : weights.nodes_of(weights.groups[g])) {
-      if (reached_[node] != 0) reached_.at(node) |= by_near_side;
+      const bool may_count = alone ? reached_[node] != 0 : box.contains(grid_.node(node));
+      if (may_count) reached_.at(node) |= by_near_side;
     }
   }
 }
 
-// The groups of points that see the doubled nodes of a group in the same way, with their nodes.
+// The nodes of groups near thin walls, and all others that are reached.
 template <int dim>
-void SideFields<dim>::part(const CellGroup& group, NearGroup& near, PointWeights<dim>& weights,
-                           PointWeights<dim>& parted) const {
-  const auto nodes = weights.nodes_of(group);
-  Sides doubled = 0;
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    if (is_doubled(nodes[k])) doubled |= Sides{1} << k;
+void SideFields<dim>::list_nodes(const PointWeights<dim>& weights) {
+  listed_.clear();
+  for (const NearGroup& near : near_) {
+    const auto nodes = weights.nodes_of(weights.groups[near.group]);
+    listed_.insert(listed_.end(), nodes.begin(), nodes.end());
   }
-  for (Sides& sides : near.sides) sides &= doubled;
-  std::vector<std::int32_t> order(near.sides.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, {}, [&](std::int32_t e) { return near.sides[e]; });
-  if (!std::ranges::is_sorted(order)) reorder<dim>(group, order, weights);
-  for (std::size_t from = 0, to = 0; from < order.size(); from = to) {
-    const Sides sides = near.sides[order[from]];
-    while (to < order.size() && near.sides[order[to]] == sides) ++to;
-    CellGroup own = group;
-    own.first = group.first + static_cast<std::int32_t>(from);
-    own.last = group.first + static_cast<std::int32_t>(to);
-    own.first_node = static_cast<std::int32_t>(parted.group_nodes.size());
-    std::uint8_t number[max_group_nodes<dim>];
-    const auto begin = weights.local.begin() + weights.starts[own.first];
-    const auto end = weights.local.begin() + weights.starts[own.last];
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-      if (std::find(begin, end, static_cast<std::uint8_t>(k)) == end) continue;
-      number[k] = static_cast<std::uint8_t>(parted.group_nodes.size() - own.first_node);
-      const bool far = (sides >> k & 1) != 0;
-      parted.group_nodes.push_back(nodes[k] + (far ? grid_.num_nodes_total() : 0));
-    }
-    own.num_nodes = static_cast<std::int32_t>(parted.group_nodes.size()) - own.first_node;
-    std::transform(begin, end, begin, [&](std::uint8_t k) { return number[k]; });
-    parted.groups.push_back(own);
-  }
+  reached_.for_each(
+      [&](std::size_t node, char) { listed_.push_back(static_cast<std::int32_t>(node)); });
+  std::ranges::sort(listed_);
+  listed_.erase(std::unique(listed_.begin(), listed_.end()), listed_.end());
 }
 
 template <int dim>
-void SideFields<dim>::split(const Surfaces<dim>& surfaces, const MaterialPoints<dim>& points,
-                            PointWeights<dim>& weights) {
+void SideFields<dim>::count_doubled() {
+  num_doubled_ = 0;
+  for (std::size_t k = 0; k < listed_.size(); ++k) {
+    const bool counts = is_doubled(listed_[k]) && shared_.owns(static_cast<std::int32_t>(k));
+    num_doubled_ += counts ? 1 : 0;
+  }
+  sum_over_ranks(comm_, std::span<std::int32_t>(&num_doubled_, 1));
+}
+
+template <int dim>
+std::vector<std::int32_t> SideFields<dim>::numbers_of_doubled() const {
+  std::vector<std::int32_t> numbers;
+  if (num_ranks(comm_) == 1) return numbers;
+  for (const std::int32_t node : listed_) {
+    if (is_doubled(node)) numbers.insert(numbers.end(), {node, node + grid_.num_nodes_total()});
+  }
+  return numbers;
+}
+
+template <int dim>
+std::vector<std::int32_t> SideFields<dim>::split(const Surfaces<dim>& surfaces,
+                                                 const MaterialPoints<dim>& points,
+                                                 PointWeights<dim>& weights) {
   follow(surfaces);
   num_doubled_ = 0;
-  if (acting_pairs_.empty() || !has_two_sides(points, weights)) return;
+  if (acting_pairs_.empty() || !has_two_sides(points, weights)) return {};
   look(points, weights);
   reach_from_afar(weights);
-  reached_.for_each([&](std::size_t node, char) {
-    num_doubled_ += is_doubled(static_cast<std::int32_t>(node)) ? 1 : 0;
-  });
-  if (num_doubled_ == 0) return;
-  PointWeights<dim> parted;
-  parted.body_groups.push_back(0);
-  auto near = near_.begin();
-  for (std::size_t b = 0; b + 1 < weights.body_groups.size(); ++b) {
-    for (std::int32_t g = weights.body_groups[b]; g < weights.body_groups[b + 1]; ++g) {
-      if (near != near_.end() && near->group == g) {
-        part(weights.groups[g], *near++, weights, parted);
-        continue;
-      }
-      const auto nodes = weights.nodes_of(weights.groups[g]);
-      parted.groups.push_back(weights.groups[g]);
-      parted.groups.back().first_node = static_cast<std::int32_t>(parted.group_nodes.size());
-      parted.group_nodes.insert(parted.group_nodes.end(), nodes.begin(), nodes.end());
-    }
-    parted.body_groups.push_back(static_cast<std::int32_t>(parted.groups.size()));
-  }
-  weights.groups = std::move(parted.groups);
-  weights.group_nodes = std::move(parted.group_nodes);
-  weights.body_groups = std::move(parted.body_groups);
-  weights.num_fields = 2;
+  list_nodes(weights);
+  shared_ = SharedNodes(comm_, listed_, grid_.num_nodes_total());
+  join_bits(comm_, shared_, std::span<const std::int32_t>(listed_), reached_);
+  count_doubled();
+  if (num_doubled_ == 0) return {};
+  part_groups(weights);
+  return numbers_of_doubled();
 }
 
 template bool can_double_nodes<2>(const BackgroundGrid<2>&);

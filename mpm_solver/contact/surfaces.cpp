@@ -172,7 +172,9 @@ void Surfaces<dim>::begin_step(const SoilSurface<dim>& soil) {
     touching_[k] = touching[k] > 0;
     symmetric_ &= !touching_[k] || contact_of(k).symmetric();
   }
-  if (between_groups_ != nullptr) symmetric_ &= between_groups_->symmetric();
+  if (between_groups_ != nullptr) {
+    symmetric_ &= max_over_ranks(comm_, between_groups_->symmetric() ? 0 : 1) == 0;
+  }
 }
 
 template <int dim>

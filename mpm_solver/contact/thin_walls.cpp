@@ -89,8 +89,7 @@ std::string text_of(const ContactSettings<dim>& a, const ContactSettings<dim>& b
       "{}: found soil on both sides of {}{}, which is {:.3g} m thick there, {:.3g} cells of {:.3g} "
       "m: soil in cells that both sides share acts on itself through the structure, whose forces "
       "are wrong; advised: cells of at most half the thickness, or nodes for each side, which need "
-      "the "
-      "method \"facets\" on both faces, a grid that is a box, and one rank",
+      "the method \"facets\" on both faces and a grid that is a box",
       a.where, names, when, thickness, thickness / cell_size, cell_size);
 }
 

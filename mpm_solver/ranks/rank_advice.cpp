@@ -6,9 +6,6 @@
 #include <algorithm>
 
 #include "mpm_solver/checks/seepage.hpp"
-#include "mpm_solver/contact/side_fields.hpp"
-#include "mpm_solver/contact/start_check.hpp"
-#include "mpm_solver/contact/thin_pairs.hpp"
 
 namespace gabion::mpm {
 
@@ -24,23 +21,7 @@ std::int64_t num_points(const MpmSettings<dim>& settings) {
   return sum;
 }
 
-template <int dim>
-bool doubles_nodes(const MpmSettings<dim>& settings) {
-  if (!can_double_nodes(settings.grid)) return false;
-  const auto surfaces = surfaces_at_start(settings.interfaces, settings.rigid_walls);
-  const Faces<dim> faces(surfaces);
-  return std::ranges::any_of(
-      thin_pairs(faces, mean_cell_size(settings.grid)),
-      [&](const FacePair& pair) { return faces.can_have_fields(pair, surfaces); });
-}
-
 }  // namespace
-
-template <int dim>
-std::string needs_one_rank(const MpmSettings<dim>& settings) {
-  if (settings.body_groups.any()) return "bodies with nodes of their own";
-  return doubles_nodes(settings) ? "a thin wall whose sides have nodes of their own" : "";
-}
 
 template <int dim>
 RankAdvice advise_ranks(const MpmSettings<dim>& settings, int cores) {
@@ -57,14 +38,9 @@ RankAdvice advise_ranks(const MpmSettings<dim>& settings, int cores) {
   if (std::ranges::any_of(settings.bodies, drains<dim>)) {
     return {1, "pore water that drains, whose matrix is factorised"};
   }
-  if (const std::string need = needs_one_rank(settings); !need.empty()) {
-    return {1, need + " needs one rank"};
-  }
   return {static_cast<int>(ranks), fmt::format("{}, {} cores", what, cores)};
 }
 
-template std::string needs_one_rank<2>(const MpmSettings<2>&);
-template std::string needs_one_rank<3>(const MpmSettings<3>&);
 template RankAdvice advise_ranks<2>(const MpmSettings<2>&, int);
 template RankAdvice advise_ranks<3>(const MpmSettings<3>&, int);
 

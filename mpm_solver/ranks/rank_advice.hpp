@@ -19,9 +19,4 @@ struct RankAdvice {
 template <int dim>
 RankAdvice advise_ranks(const MpmSettings<dim>& settings, int cores);
 
-/// What of these settings is there on one rank only, so that several would refuse the run or give
-/// other results; empty: nothing.
-template <int dim>
-std::string needs_one_rank(const MpmSettings<dim>& settings);
-
 }  // namespace gabion::mpm

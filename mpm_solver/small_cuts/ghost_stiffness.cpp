@@ -57,17 +57,6 @@ SharedNodes nodes_of_both(const CellList& own, const CellList& neighbour) {
   return nodes;
 }
 
-// 1 for the nodes of the grid that have several numbers.
-template <int dim>
-SparseList<char> doubled_nodes(const BackgroundGrid<dim>& grid, const PointWeights<dim>& weights) {
-  SparseList<char> doubled(grid.num_nodes_total(), 0);
-  if (weights.num_fields == 1) return doubled;
-  for (const std::int32_t node : weights.group_nodes) {
-    if (node >= grid.num_nodes_total()) doubled.at(node % grid.num_nodes_total()) = 1;
-  }
-  return doubled;
-}
-
 }  // namespace
 
 template <int dim>
@@ -78,8 +67,7 @@ GhostStiffness<dim>::GhostStiffness(const BackgroundGrid<dim>& grid,
 }
 
 template <int dim>
-void GhostStiffness<dim>::measure_cells(const CellOwners<dim>& owners,
-                                        const MaterialPoints<dim>& points,
+void GhostStiffness<dim>::measure_cells(const MaterialPoints<dim>& points,
                                         const PointWeights<dim>& weights, LawsOfPoints<dim> laws) {
   soil_.assign(grid_.num_cells(), {});
   const bool has_domains = grid_.basis == Basis::gimp;
@@ -103,7 +91,24 @@ void GhostStiffness<dim>::measure_cells(const CellOwners<dim>& owners,
       }
     }
   }
-  if (num_ranks(owners.comm) > 1) share_cells(owners);
+}
+
+template <int dim>
+void GhostStiffness<dim>::mark_doubled(const PointWeights<dim>& weights,
+                                       std::span<const std::int32_t> doubled) {
+  if (weights.num_fields == 1) return;
+  const std::int32_t num_places = grid_.num_nodes_total();
+  SparseList<char> is_doubled(num_places, 0);
+  const auto add = [&](std::int32_t node) {
+    if (node >= num_places) is_doubled.at(node % num_places) = 1;
+  };
+  std::ranges::for_each(weights.group_nodes, add);
+  std::ranges::for_each(doubled, add);
+  soil_.for_each([&](std::size_t cell, CellSoil& soil) {
+    const CellList nodes = grid_.cell(static_cast<std::int32_t>(cell));
+    soil.doubled =
+        std::any_of(nodes.begin(), nodes.end(), [&](auto n) { return is_doubled[n] != 0; });
+  });
 }
 
 // Sum up the soil of each cell where it belongs, and show it to the ranks of the cells beside it.
@@ -115,11 +120,13 @@ void GhostStiffness<dim>::share_cells(const CellOwners<dim>& owners) {
     packet.put(static_cast<std::int32_t>(cell));
     packet.put(soil.volume);
     packet.put(soil.stiffness);
+    packet.put(soil.doubled);
   };
   const auto take = [](Packet& packet) {
     CellSoil soil;
     soil.volume = packet.take<double>();
     soil.stiffness = packet.take<double>();
+    soil.doubled = packet.take<bool>();
     return soil;
   };
   soil_.for_each([&](std::size_t cell, const CellSoil& soil) {
@@ -132,6 +139,7 @@ void GhostStiffness<dim>::share_cells(const CellOwners<dim>& owners) {
       const CellSoil more = take(packet);
       soil.volume += more.volume;
       soil.stiffness += more.stiffness;
+      soil.doubled |= more.doubled;
     }
   }
   soil_.for_each([&](std::size_t cell, const CellSoil& soil) {
@@ -156,24 +164,22 @@ template <int dim>
 std::vector<std::int32_t> GhostStiffness<dim>::find_facets(const CellOwners<dim>& owners,
                                                            const MaterialPoints<dim>& points,
                                                            const PointWeights<dim>& weights,
+                                                           std::span<const std::int32_t> doubled,
                                                            LawsOfPoints<dim> laws) {
-  measure_cells(owners, points, weights, laws);
+  measure_cells(points, weights, laws);
+  mark_doubled(weights, doubled);
+  if (num_ranks(owners.comm) > 1) share_cells(owners);
   facets_.clear();
   std::vector<std::int32_t> nodes;
   const int own = rank_of(owners.comm);
-  const SparseList<char> doubled = doubled_nodes(grid_, weights);
-  const auto is_doubled = [&](std::int32_t cell) {
-    const CellList of_cell = grid_.cell(cell);
-    return std::any_of(of_cell.begin(), of_cell.end(), [&](auto n) { return doubled[n] != 0; });
-  };
   soil_.for_each([&](std::size_t place, const CellSoil&) {
     const auto c = static_cast<std::int32_t>(place);
-    if (!is_small(c) || owners.of(c) != own || is_doubled(c)) return;
+    if (!is_small(c) || owners.of(c) != own || soil_[c].doubled) return;
     const CellList neighbours = grid_.neighbours(c);
     for (std::size_t f = 0; f < neighbours.size(); ++f) {
       const std::int32_t other = neighbours[f];
       if (other < 0 || soil_[other].volume == 0) continue;
-      if (is_doubled(other)) continue;
+      if (soil_[other].doubled) continue;
       if (other < c && is_small(other)) continue;  // came from the other side
       facets_.push_back({c, static_cast<int>(f), other});
       for (const std::int32_t cell : {c, other}) {

@@ -41,12 +41,14 @@ class GhostStiffness {
 
   /// Find the facets of this step; a rank has those of the small cuts among its own cells. Cells
   /// with doubled nodes have none.
-  /// @param laws  of the points, see LawsOfPoints
+  /// @param doubled  numbers of doubled nodes besides those of the weights, see SideFields::split
+  /// @param laws     of the points, see LawsOfPoints
   /// @returns grid nodes of the facets of this rank, some of them several times
   /// @note Collective.
   std::vector<std::int32_t> find_facets(const CellOwners<dim>& owners,
                                         const MaterialPoints<dim>& points,
                                         const PointWeights<dim>& weights,
+                                        std::span<const std::int32_t> doubled = {},
                                         LawsOfPoints<dim> laws = {});
   /// Evaluate their stiffness. @param nodes  with those of find_facets()
   void begin_step(const GridNodes<dim>& nodes);
@@ -63,12 +65,14 @@ class GhostStiffness {
     const double volume = soil_[cell].volume;
     return volume > 0 && volume < small_cut_fill * cell_volume(grid_, cell);
   }
-  void measure_cells(const CellOwners<dim>& owners, const MaterialPoints<dim>& points,
-                     const PointWeights<dim>& weights, LawsOfPoints<dim> laws);
+  void measure_cells(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
+                     LawsOfPoints<dim> laws);
+  void mark_doubled(const PointWeights<dim>& weights, std::span<const std::int32_t> doubled);
   void share_cells(const CellOwners<dim>& owners);
   struct CellSoil {
     double volume = 0;
     double stiffness = 0;  // its volume times Young's modulus
+    bool doubled = false;  // some of its nodes have several numbers
     bool operator==(const CellSoil&) const = default;
   };
   struct Facet {

@@ -123,13 +123,51 @@ std::vector<std::int32_t> nearest_heavy(const LightNodeSearch<dim>& search,
   return partner;
 }
 
-// The same where nodes are doubled: of the nodes that act on the same group of points, which are on
-// one side. @pre one rank
+// The heavy node that another one is to join, of those found so far.
+struct Partners {
+  std::vector<std::int32_t> node;  // of each active node, as grid node; -1: none
+  std::vector<double> distance;    // [m]
+
+  explicit Partners(std::int32_t num_nodes)
+      : node(num_nodes, -1), distance(num_nodes, std::numeric_limits<double>::infinity()) {}
+  // Of two that are as near the one with the lower number.
+  void offer(std::int32_t i, std::int32_t to, double d) {
+    if (to < 0 || d > distance[i] || (d == distance[i] && to >= node[i])) return;
+    distance[i] = d;
+    node[i] = to;
+  }
+};
+
+// Hear what the other ranks found for the nodes that they hold too.
 template <int dim>
-std::vector<std::int32_t> nearest_heavy_of_groups(const LightNodeSearch<dim>& search,
+void ask_holders(MPI_Comm comm, const GridNodes<dim>& nodes, const Kinds& kinds,
+                 Partners& partners) {
+  if (nodes.shared.alone()) return;
+  Packets out;
+  for (int n = 0; n < nodes.shared.num_neighbours(); ++n) {
+    Packet& packet = out[nodes.shared.neighbour(n)];
+    for (const std::int32_t i : nodes.shared.shared_with(n)) {
+      if (partners.node[i] < 0 || !joins(kinds[nodes.grid_node[i]])) continue;
+      packet.put(nodes.grid_node[i]);
+      packet.put(partners.node[i]);
+      packet.put(partners.distance[i]);
+    }
+  }
+  for (auto& [rank, packet] : send_packets(comm, out)) {
+    while (!packet.empty()) {
+      const std::int32_t i = nodes.active[packet.template take<std::int32_t>()];
+      const auto to = packet.template take<std::int32_t>();
+      partners.offer(i, to, packet.template take<double>());
+    }
+  }
+}
+
+// The same where nodes are doubled: of the nodes that act on the same group of points, of any rank,
+// which are on one side.
+template <int dim>
+std::vector<std::int32_t> nearest_heavy_of_groups(MPI_Comm comm, const LightNodeSearch<dim>& search,
                                                   const GridNodes<dim>& nodes, const Kinds& kinds) {
-  std::vector<std::int32_t> partner(nodes.grid_node.size(), -1);
-  std::vector<double> distance(partner.size(), std::numeric_limits<double>::infinity());
+  Partners partners(nodes.size());
   for (const CellGroup& group : search.weights.groups) {
     for (const std::int32_t from : search.weights.nodes_of(group)) {
       if (!joins(kinds[from])) continue;
@@ -137,21 +175,19 @@ std::vector<std::int32_t> nearest_heavy_of_groups(const LightNodeSearch<dim>& se
       for (const std::int32_t to : search.weights.nodes_of(group)) {
         const std::int32_t j = nodes.active[to];
         if (kinds[to] != heavy || search.walls.holds(nodes.place(j))) continue;
-        const double d = (nodes.x[j] - nodes.x[i]).norm();
-        if (d > distance[i] || (d == distance[i] && to >= partner[i])) continue;
-        distance[i] = d;
-        partner[i] = to;
+        partners.offer(i, to, (nodes.x[j] - nodes.x[i]).norm());
       }
     }
   }
-  return partner;
+  ask_holders(comm, nodes, kinds, partners);
+  return partners.node;
 }
 
 // The partners of the light nodes, see nearest_heavy.
 template <int dim>
 std::vector<std::int32_t> find_partners(MPI_Comm comm, const LightNodeSearch<dim>& search,
                                         const GridNodes<dim>& nodes, Kinds& kinds) {
-  if (nodes.num_fields > 1) return nearest_heavy_of_groups(search, nodes, kinds);
+  if (nodes.num_fields > 1) return nearest_heavy_of_groups(comm, search, nodes, kinds);
   const auto cells = cells_of_light_nodes(search.grid, kinds);
   ask_other_ranks<dim>(comm, search.grid, cells, kinds);
   return nearest_heavy<dim>(search, cells, nodes, kinds);

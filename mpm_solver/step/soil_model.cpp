@@ -64,7 +64,6 @@ SoilModel<dim>::SoilModel(MPI_Comm comm_, MpmSettings<dim> settings_)
       symmetric_laws &= settings.varying[b]->symmetric();
     }
   }
-  require_one_rank_for_groups(num_ranks(comm), settings.body_groups);
   stressed = std::any_of(settings.initial_stress.begin(), settings.initial_stress.end(),
                          [](const auto& stress) { return stress.has_value(); });
   exit_sides = find_exit_sides(settings, grid.facet_groups);

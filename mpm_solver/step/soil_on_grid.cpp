@@ -46,11 +46,10 @@ std::string side_text(const Phase& phase, const std::vector<std::string>& sides)
                                    "have to round it off");
 }
 
-// Ranks do not tell each other of sides, and groups of bodies have the numbers of doubled nodes.
+// Groups of bodies have the numbers of doubled nodes.
 template <int dim>
 bool may_double_nodes(const SoilModel<dim>& model) {
-  return can_double_nodes(model.grid) && num_ranks(model.comm) == 1 &&
-         !model.settings.body_groups.any();
+  return can_double_nodes(model.grid) && !model.settings.body_groups.any();
 }
 
 std::vector<std::int32_t> take_cells(Packet& packet) {
@@ -105,7 +104,9 @@ void SoilOnGrid<dim>::weigh() {
   }
   evaluate_basis(model_.grid, points_, weights_, border ? &*border : nullptr);
   const BodyGroups& groups = model_.settings.body_groups;
-  if (groups.any()) split_groups(groups.of_body, model_.grid.num_nodes_total(), weights_);
+  doubled_.clear();
+  if (!groups.any()) return;
+  doubled_ = split_groups(model_.comm, groups.of_body, model_.grid.num_nodes_total(), weights_);
 }
 
 // Part those that can have fields by side from the others.
@@ -120,14 +121,16 @@ void SoilOnGrid<dim>::find_thin_walls() {
                      }).begin();
   std::vector<FacePair> pairs(first, shared_pairs_.end());
   shared_pairs_.erase(first, shared_pairs_.end());
-  if (!pairs.empty()) sides_.emplace(std::move(faces), std::move(pairs), model_.grid);
+  if (!pairs.empty()) {
+    sides_.emplace(model_.comm, std::move(faces), std::move(pairs), model_.grid);
+  }
 }
 
 // Give the sides of thin walls nodes of their own.
 template <int dim>
 void SoilOnGrid<dim>::split_sides() {
   if (!sides_) return;
-  sides_->split(surfaces_, points_, weights_);
+  doubled_ = sides_->split(surfaces_, points_, weights_);
   if (said_doubled_ || sides_->num_doubled() == 0) return;
   said_doubled_ = true;
   log::info("soil on both sides of a thin wall: {} nodes are doubled (fields by side)",
@@ -146,9 +149,11 @@ void SoilOnGrid<dim>::map(Mapping mapping) {
     const ScopedTimer timer(times_, "search");
     weigh();
     split_sides();
+    mapping.other_nodes.insert(mapping.other_nodes.end(), doubled_.begin(), doubled_.end());
     ghost_acts_ = wants_ghost(mapping.phase);
     if (ghost_acts_) {
-      const auto nodes = ghost_->find_facets(ranks_.owners(), points_, weights_, laws_.of_points());
+      const auto nodes =
+          ghost_->find_facets(ranks_.owners(), points_, weights_, doubled_, laws_.of_points());
       mapping.other_nodes.insert(mapping.other_nodes.end(), nodes.begin(), nodes.end());
     }
     activate_nodes(model_.comm, model_.grid, weights_, std::span(mapping.other_nodes), nodes_);

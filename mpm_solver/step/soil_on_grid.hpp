@@ -87,6 +87,7 @@ class SoilOnGrid {
   PhaseTimes& times_;
   std::vector<WallConditions<dim>> walls_of_phases_;
   PointWeights<dim> weights_;
+  std::vector<std::int32_t> doubled_;  // numbers of nodes whose other numbers act here
   PointLaws<dim> laws_;
   GridNodes<dim> nodes_;
   InelasticProjection<dim> stop_;

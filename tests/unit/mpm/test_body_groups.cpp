@@ -64,7 +64,7 @@ struct TwoBodies {
   void to_grid() {
     ASSERT_TRUE(find_cells(grid, points).empty());
     evaluate_basis<dim>(grid, points, weights);
-    mpm::split_groups<dim>(groups.of_body, grid.num_nodes_total(), weights);
+    mpm::split_groups<dim>(comm(), groups.of_body, grid.num_nodes_total(), weights);
     mpm::activate_nodes<dim>(comm(), grid, weights, {}, nodes);
     points_to_grid(points, weights, nodes);
   }
@@ -77,6 +77,10 @@ struct TwoBodies {
             .dt = dt,
             .step_force_weight = weight,
             .moduli = moduli};
+  }
+  std::vector<mpm::GroupNode<dim>> contact_nodes() const {
+    const mpm::GroupsAtNodes<dim> at_nodes(comm(), groups.of_body, nodes.num_places, weights);
+    return mpm::find_contact_nodes<dim>(soil(), groups, at_nodes);
   }
 };
 
@@ -94,7 +98,7 @@ Patch flat_patch(mpm::Basis basis, double offset, double angle) {
   bodies.lay(low, {6, 3}, angle);
   bodies.to_grid();
   Patch patch;
-  for (const auto& node : mpm::find_contact_nodes<2>(bodies.soil(), bodies.groups)) {
+  for (const auto& node : bodies.contact_nodes()) {
     patch.area += node.area * node.n.dot(n);
     patch.turned = std::max(patch.turned, std::acos(std::min(1.0, node.n.dot(n))));
     patch.gap = std::max(patch.gap, std::abs(node.gap));
@@ -143,7 +147,7 @@ void expect_tangent(mpm::Basis basis, double friction, double weight) {
     ASSERT_TRUE(contact.can_touch());
     EXPECT_EQ(contact.symmetric(), friction == 0);
     du = random.values(n, 0.02 * h);
-    for (const auto& node : mpm::find_contact_nodes<dim>(bodies.soil(), bodies.groups)) {
+    for (const auto& node : bodies.contact_nodes()) {
       for (int d = 0; d < dim; ++d) du[node.second * dim + d] -= 0.02 * h * node.n[d];
     }
     std::vector<std::int32_t> offsets = {0}, cell_nodes;
@@ -196,7 +200,7 @@ TEST(BodyGroups, clouds_that_no_plane_parts_have_no_depth) {
   bodies.lay({0.6, 0.4}, {2, 3});
   bodies.to_grid();
   bool any = false;
-  for (const auto& node : mpm::find_contact_nodes<2>(bodies.soil(), bodies.groups)) {
+  for (const auto& node : bodies.contact_nodes()) {
     if (node.separates) continue;
     any = true;
     EXPECT_GE(node.gap, 0);

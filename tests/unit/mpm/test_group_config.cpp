@@ -92,11 +92,6 @@ TEST(GroupConfig, refuses_what_is_not_supported) {
   scene = with_groups(two_blocks(0));
   scene["time_integration"] = {{"scheme", "generalized_alpha"}, {"rho_inf", 0.8}};
   expect_refusal(scene, "/time_integration", "generalized_alpha");
-  const auto settings = mpm_settings<2>(with_groups(two_blocks(0)));
-  EXPECT_NO_THROW(mpm::require_one_rank_for_groups(1, settings.body_groups));
-  EXPECT_NO_THROW(mpm::require_one_rank_for_groups(2, {}));
-  expect_error<ConfigError>([&] { mpm::require_one_rank_for_groups(2, settings.body_groups); },
-                            {"/contact_groups", "found 2 ranks, allowed: 1"});
 }
 
 TEST(GroupConfig, bodies_that_share_no_node_are_the_same_to_the_bit) {

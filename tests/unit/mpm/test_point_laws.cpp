@@ -143,7 +143,7 @@ TEST(PointLaws, ghost_stiffness_follows_the_points) {
   const auto du = soil.random.values(soil.num_dofs(), 1e-3);
   const auto forces = [&](std::span<const MaterialLaw<2>* const> of_points) {
     mpm::GhostStiffness<2> ghost(soil.grid, soil.bodies, 0.05);
-    ghost.find_facets(soil.owners(), soil.points, soil.weights, of_points);
+    ghost.find_facets(soil.owners(), soil.points, soil.weights, {}, of_points);
     ghost.begin_step(soil.nodes);
     EXPECT_GT(ghost.num_facets(), 3);
     std::vector<double> r(soil.num_dofs(), 0.0);
