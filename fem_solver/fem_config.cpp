@@ -20,6 +20,7 @@
 #include "fem_solver/ranks/divide_mesh.hpp"
 #include "fem_solver/supports/embedded_lines.hpp"
 #include "fem_solver/supports/held_parts.hpp"
+#include "fem_solver/supports/link_nodes.hpp"
 #include "fem_solver/supports/rotation_nodes.hpp"
 
 namespace gabion::fem {
@@ -214,6 +215,7 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
   for (auto& item : in.objects("tractions")) {
     s.tractions.push_back(read_traction<dim>(item));
   }
+  for (auto& item : in.objects("rigid_links")) s.rigid_links.push_back(read_rigid_link(item));
   for (auto& item : in.objects("interfaces")) {
     if (item.has("beams")) {
       s.beam_surfaces.push_back(read_beam_surface(item));
@@ -247,6 +249,7 @@ void warn_of_unused_groups(const ConfigReader& in, const FemSettings<dim>& s) {
   for (const auto& item : s.tractions) used.insert(item.group);
   for (const auto& item : s.interfaces) used.insert(item.groups.begin(), item.groups.end());
   for (const auto& item : s.line_materials) used.insert(item.group);
+  for (const auto& item : s.rigid_links) used.insert(item.group);
   for (const auto& [name, facets] : s.mesh.facet_groups) {
     if (used.contains(name)) continue;
     log::warn("{}: nothing uses the facet group \"{}\" of {}", in.where("mesh"), name, s.mesh.file);
@@ -365,6 +368,7 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
   embed_lines(s, ranked.connection);
   check_damping(s);
   check_rotations(s);
+  check_rigid_links(s);
   together<ConfigError>(comm, [&] { check_held_parts(in, s, ranked.connection); });
   warn_of_unused_groups(in, s);
   if (s.coupled()) require_balance_at_end_of_step(in, s.time_integration);

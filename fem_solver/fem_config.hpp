@@ -79,6 +79,13 @@ struct DashpotSettings {
   std::string where;
 };
 
+/// Nodes of a group that move with a node of beams as a rigid body.
+struct RigidLinkSettings {
+  std::string beam;   ///< group of the one node of beams
+  std::string group;  ///< of facets or points
+  std::string where;  ///< place in the config, for error messages
+};
+
 /// A dead load per reference area.
 template <int dim>
 struct TractionSettings {
@@ -150,6 +157,7 @@ struct FemSettings : MotionSettings<dim> {
   std::vector<SpringSettings<dim>> springs;
   std::vector<DashpotSettings<dim>> dashpots;
   std::vector<TractionSettings<dim>> tractions;
+  std::vector<RigidLinkSettings> rigid_links;
   std::vector<WetSurfaceSettings> interfaces;
   std::vector<BeamSurfaceSettings> beam_surfaces;
   bool coupled() const { return !interfaces.empty() || !beam_surfaces.empty(); }

@@ -113,6 +113,14 @@ KeyTable traction_keys() {
            time_table_key("", factor_sentence)}};
 }
 
+KeyTable rigid_link_keys() {
+  return {"rigid_link",
+          "Nodes that a node of beams takes with it as a rigid body: a beam that is clamped in "
+          "cells, an end plate.",
+          {key::text("beam", "Group of points: the one node of beams."),
+           group_key("Group of facets or points whose nodes it takes along.")}};
+}
+
 KeyTable interface_keys() {
   return {
       "interface",
@@ -195,6 +203,9 @@ std::vector<Key> condition_keys() {
           .or_empty()
           .without("matrices"),
       key::objects("tractions", traction_keys(), "Forces per area.").or_empty().without("matrices"),
+      key::objects("rigid_links", rigid_link_keys(), "Nodes that beams take along.")
+          .or_empty()
+          .without("matrices"),
       key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
       key::objects("probes", probe_keys(), "Reported points.").or_empty(),
       key::objects("sections", section_keys(), "Planes whose force and moment are reported.")

@@ -72,6 +72,15 @@ LoadSettings<dim> read_load(ConfigReader in) {
   return load;
 }
 
+RigidLinkSettings read_rigid_link(ConfigReader in) {
+  RigidLinkSettings s;
+  s.beam = in.text("beam");
+  s.group = in.text("group");
+  s.where = in.where("group");
+  in.finish();
+  return s;
+}
+
 BeamSurfaceSettings read_beam_surface(ConfigReader in) {
   BeamSurfaceSettings s;
   s.name = in.name("name");

@@ -25,6 +25,8 @@ LoadSettings<dim> read_load(ConfigReader in);
 /// "table", or 1.
 TimeFunction read_factor(ConfigReader& in);
 
+RigidLinkSettings read_rigid_link(ConfigReader in);
+
 /// An interface with "beams".
 BeamSurfaceSettings read_beam_surface(ConfigReader in);
 

@@ -16,14 +16,12 @@ struct BeamStiffness {
 
 /// A beam in space without stress.
 struct StraightBeam {
-  BeamStiffness stiffness;
   Turn<double> frame;  ///< from the axes of space to its own
   double length = 0;   ///< [m]
 };
 
 /// A beam in the plane without stress.
 struct StraightFrame {
-  BeamStiffness stiffness;
   std::array<double, 2> direction;  ///< length 1
   double length = 0;                ///< [m]
 };
@@ -34,6 +32,13 @@ template <class S>
 struct SectionResultants {
   Triple<S> force;   ///< N, V_2, V_3 [N]
   Triple<S> moment;  ///< T, M_2, M_3 [N m]
+};
+
+/// What a section answers to the strain and curvatures of its axis.
+template <class S>
+struct SectionAnswer {
+  SectionResultants<S> forces;
+  S energy;  ///< per length [J/m]
 };
 
 /// Forces and moments of a beam in space on its nodes, and what they come from.
@@ -51,14 +56,27 @@ Triple<S> scaled(const Triple<double>& a, const Triple<S>& b) {
   return {S(a[0]) * b[0], S(a[1]) * b[1], S(a[2]) * b[2]};
 }
 
+/// Section with forces in proportion to the strains.
+struct ElasticSection {
+  BeamStiffness stiffness;
+
+  template <class S>
+  SectionAnswer<S> operator()(const Triple<S>& gamma, const Triple<S>& kappa) const {
+    const SectionResultants<S> f = {scaled(stiffness.force, gamma),
+                                    scaled(stiffness.moment, kappa)};
+    return {f, S(0.5) * (dot(f.force, gamma) + dot(f.moment, kappa))};
+  }
+};
+
 /// Geometrically exact beam between two nodes, with one point and a constant curvature
 /// (docs/theory/structure.md).
 /// @param chord     from node 1 to node 2 [m]
 /// @param q_1, q_2  rotations of the nodes
-template <class S>
+/// @param section   gives a SectionAnswer for shear and stretch, twist and curvatures
+template <class S, class Section>
 BeamForces<S> beam_forces(const StraightBeam& beam, const Triple<S>& chord, const Turn<S>& q_1,
-                          const Turn<S>& q_2) {
-  const auto& [stiffness, frame, length] = beam;
+                          const Turn<S>& q_2, const Section& section) {
+  const auto& [frame, length] = beam;
   using std::sqrt;
   const Turn<S> L_0{frame.w, {frame.v[0], frame.v[1], frame.v[2]}};
   const Triple<S> psi = vector_of(inverse(q_1) * q_2);
@@ -70,9 +88,9 @@ BeamForces<S> beam_forces(const StraightBeam& beam, const Triple<S>& chord, cons
   const Triple<S> kappa = S(1 / length) * rotate(inverse(L_0), psi);
 
   BeamForces<S> result;
-  result.section = {scaled(stiffness.force, gamma), scaled(stiffness.moment, kappa)};
-  result.energy =
-      S(0.5 * length) * (dot(result.section.force, gamma) + dot(result.section.moment, kappa));
+  const SectionAnswer<S> answer = section(gamma, kappa);
+  result.section = answer.forces;
+  result.energy = S(length) * answer.energy;
   result.n = rotate(middle, result.section.force);
   const Triple<S> m = rotate(L_0, result.section.moment);
   const Triple<S> c = S(length) * cross(result.n, slope);
@@ -96,10 +114,10 @@ struct FrameForces {
 
 /// @param chord     from node 1 to node 2 [m]
 /// @param t_1, t_2  angles of the nodes
-template <class S>
+template <class S, class Section>
 FrameForces<S> frame_forces(const StraightFrame& beam, const std::array<S, 2>& chord, const S& t_1,
-                            const S& t_2) {
-  const auto& [stiffness, direction, length] = beam;
+                            const S& t_2, const Section& section) {
+  const auto& [direction, length] = beam;
   using std::cos, std::sin;
   const S angle = S(0.5) * (t_1 + t_2), c = cos(angle), s = sin(angle);
   const S e_x = c * S(direction[0]) - s * S(direction[1]);
@@ -108,10 +126,13 @@ FrameForces<S> frame_forces(const StraightFrame& beam, const std::array<S, 2>& c
   const S gamma_1 = e_x * x + e_y * y - S(1.0), gamma_2 = e_x * y - e_y * x;
   const S kappa = S(1 / length) * (t_2 - t_1);
   FrameForces<S> result;
-  result.N = S(stiffness.force[0]) * gamma_1;
-  result.V = S(stiffness.force[1]) * gamma_2;
-  result.M = S(stiffness.moment[2]) * kappa;
-  result.energy = S(0.5 * length) * (result.N * gamma_1 + result.V * gamma_2 + result.M * kappa);
+  const S none = 0.0;
+  const SectionAnswer<S> answer =
+      section(Triple<S>{gamma_1, gamma_2, none}, Triple<S>{none, none, kappa});
+  result.N = answer.forces.force[0];
+  result.V = answer.forces.force[1];
+  result.M = answer.forces.moment[2];
+  result.energy = S(length) * answer.energy;
   result.n = {result.N * e_x - result.V * e_y, result.N * e_y + result.V * e_x};
   const S arm = S(0.5 * length) * (result.n[0] * y - result.n[1] * x);
   result.m_1 = arm - result.M;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gabion::fem {
@@ -30,14 +31,17 @@ bool CrossSection::is_round() const {
 }
 
 CrossSection CrossSection::over(double spacing) const {
+  std::vector<Fibre> shared = fibres;
+  for (Fibre& fibre : shared) fibre.area /= spacing;
   return {.area = area / spacing,
           .shear_areas = {shear_areas[0] / spacing, shear_areas[1] / spacing},
           .moments = {moments[0] / spacing, moments[1] / spacing},
           .torsion_constant = torsion_constant / spacing,
-          .outline = outline};
+          .outline = outline,
+          .fibres = std::move(shared)};
 }
 
-CrossSection rectangle_section(double height, double width, double poisson_ratio) {
+CrossSection rectangle_section(double height, double width, double poisson_ratio, int dim) {
   const double nu = poisson_ratio, area = height * width;
   const double shear = 10 * (1 + nu) / (12 + 11 * nu) * area;  // Cowper 1966
   const double a = std::max(height, width), b = std::min(height, width), ratio = b / a;
@@ -49,7 +53,8 @@ CrossSection rectangle_section(double height, double width, double poisson_ratio
           .outline = {{height / 2, width / 2},
                       {-height / 2, width / 2},
                       {-height / 2, -width / 2},
-                      {height / 2, -width / 2}}};
+                      {height / 2, -width / 2}},
+          .fibres = rectangle_fibres(height, width, dim)};
 }
 
 CrossSection ring_section(double diameter, double inner, double poisson_ratio) {
@@ -62,7 +67,8 @@ CrossSection ring_section(double diameter, double inner, double poisson_ratio) {
           .shear_areas = {shear, shear},
           .moments = {I, I},
           .torsion_constant = 2 * I,
-          .outline = octagon(diameter / 2)};
+          .outline = octagon(diameter / 2),
+          .fibres = ring_fibres(diameter, inner)};
 }
 
 BeamStiffness BeamData::stiffness(double young_modulus) const {
@@ -120,11 +126,11 @@ std::vector<Key> beam_keys() {
 
 namespace {
 
-CrossSection read_section(ConfigReader in, double nu) {
+CrossSection read_section(ConfigReader in, double nu, int dim) {
   const std::string shape = in.choice("shape");
   CrossSection section;
   if (shape == "rectangle") {
-    section = rectangle_section(in.number("height"), in.number("width"), nu);
+    section = rectangle_section(in.number("height"), in.number("width"), nu, dim);
   } else if (shape == "general") {
     const auto shear = in.vector("shear_areas", 2), moments = in.vector("second_moments", 2);
     section = {.area = in.number("area"),
@@ -152,7 +158,7 @@ CrossSection read_section(ConfigReader in, double nu) {
 
 BeamData read_beam(ConfigReader& in, double young_modulus, int dim) {
   const double nu = in.number("poisson_ratio");
-  BeamData beam{.section = read_section(in.object("cross_section"), nu),
+  BeamData beam{.section = read_section(in.object("cross_section"), nu, dim),
                 .shear_modulus = young_modulus / (2 * (1 + nu))};
   if (dim == 2) {
     beam.section = beam.section.over(in.number("spacing"));

@@ -8,6 +8,7 @@
 #include "common/mechanics/tensor.hpp"
 #include "common/settings/config_reader.hpp"
 #include "fem_solver/beams/beam_forces.hpp"
+#include "fem_solver/beams/fibres.hpp"
 
 namespace gabion::fem {
 
@@ -19,6 +20,7 @@ struct CrossSection {
   double torsion_constant = 0;          ///< [m^4]
   /// Corners, in axes 2 and 3 and counterclockwise about axis 1 [m]; empty: no shape.
   std::vector<Vector<2>> outline = {};
+  std::vector<Fibre> fibres = {};  ///< of a section that yields; empty: no shape
 
   /// Alike in all directions.
   bool is_round() const;
@@ -27,7 +29,8 @@ struct CrossSection {
 
 /// @param height  along axis 2 [m]
 /// @param width   along axis 3 [m]
-CrossSection rectangle_section(double height, double width, double poisson_ratio);
+/// @param dim  of space
+CrossSection rectangle_section(double height, double width, double poisson_ratio, int dim);
 /// @param inner  diameter [m], 0: solid
 CrossSection ring_section(double diameter, double inner, double poisson_ratio);
 

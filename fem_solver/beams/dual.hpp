@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 namespace gabion::fem {
 
@@ -53,6 +54,14 @@ struct Dual {
     return result;
   }
 };
+
+/// The i-th unknown: a number, or one that derivatives are taken by.
+template <class S>
+S unknown(double value, int i) {
+  S x = value;
+  if constexpr (!std::is_same_v<S, double>) x.slope[i] = 1;
+  return x;
+}
 
 inline double value_of(double x) {
   return x;

@@ -35,13 +35,9 @@ LineResponse respond(const LineMaterial& material, double stress_free_length, do
   return response;
 }
 
-namespace {
-
-/// A bar: backward Euler from its accepted plastic strain, and the sum of its size.
-LineResponse respond_of_bar(const LineMaterial& bar, double stress_free_length, double length,
-                            std::span<const double> history_n, std::span<double> history) {
+BarStress bar_stress(const LineMaterial& bar, double strain, std::span<const double> history_n,
+                     std::span<double> history) {
   const double E = bar.young_modulus, H_k = bar.kinematic_modulus;
-  const double strain = (length - stress_free_length) / stress_free_length;
   double plastic = history_n[0], p = history_n[1], tangent = E;
   const double excess = E * (strain - plastic) - H_k * plastic;
   const double yield_stress = bar.hardening->yield_stress(p);
@@ -54,10 +50,18 @@ LineResponse respond_of_bar(const LineMaterial& bar, double stress_free_length, 
   }
   history[0] = plastic;
   history[1] = p;
-  const double stress = E * (strain - plastic);
-  return {.force = bar.area * stress,
-          .slope = bar.area * tangent / stress_free_length,
-          .energy = 0.5 * bar.area * stress_free_length * stress * (strain - plastic),
+  return {.stress = E * (strain - plastic), .slope = tangent, .elastic_strain = strain - plastic};
+}
+
+namespace {
+
+LineResponse respond_of_bar(const LineMaterial& bar, double stress_free_length, double length,
+                            std::span<const double> history_n, std::span<double> history) {
+  const double strain = (length - stress_free_length) / stress_free_length;
+  const BarStress point = bar_stress(bar, strain, history_n, history);
+  return {.force = bar.area * point.stress,
+          .slope = bar.area * point.slope / stress_free_length,
+          .energy = 0.5 * bar.area * stress_free_length * point.stress * point.elastic_strain,
           .run = 0};
 }
 
@@ -160,6 +164,23 @@ void check_elastic_start(const ConfigReader& in, const LineMaterial& bar) {
                       stress, limit));
 }
 
+/// Keys of a beam that yields, if it does.
+void read_yielding_beam(ConfigReader& in, LineMaterial& beam) {
+  const bool yields = in.has("yield_stress") || in.has("yield_table");
+  for (const char* key : {"hardening_modulus", "kinematic_modulus"}) {
+    if (yields || !in.has(key)) continue;
+    in.fail(key, "found without \"yield_stress\" or \"yield_table\", allowed: with one of them");
+  }
+  if (!yields) return;
+  if (beam.beam->section.fibres.empty()) {
+    in.fail(in.has("yield_stress") ? "yield_stress" : "yield_table",
+            "found with a section \"general\", allowed: sections with a shape, whose fibres yield");
+  }
+  beam.hardening = read_hardening(in);
+  beam.kinematic_modulus = in.number("kinematic_modulus");
+  check_yield(in, *beam.hardening, beam.young_modulus, beam.kinematic_modulus);
+}
+
 }  // namespace
 
 LineMaterial read_line_material(ConfigReader in, int dim) {
@@ -173,6 +194,7 @@ LineMaterial read_line_material(ConfigReader in, int dim) {
     material.beam = read_beam(in, material.young_modulus, dim);
     material.area = material.beam->section.area;
     material.in_compression = true;
+    read_yielding_beam(in, material);
     in.finish();
     return material;
   }

@@ -28,8 +28,8 @@ struct LineMaterial {
   bool embedded = false;        ///< its nodes inside cells move with them
   bool in_compression = false;  ///< false: slack where it is shorter than stress-free
   std::optional<Brake> brake;   ///< in line with each cell of the group
-  std::optional<Hardening> hardening;  ///< of a bar that yields, stress over strain of L0
-  double kinematic_modulus = 0;        ///< of the bar [Pa]
+  std::optional<Hardening> hardening;  ///< of a bar or beam that yields, over strain of L0
+  double kinematic_modulus = 0;        ///< of these [Pa]
   std::optional<BeamData> beam;        ///< they bend, shear and twist, too
 
   double stiffness() const { return young_modulus * area; }  ///< E A [N]
@@ -57,7 +57,19 @@ LineResponse respond(const LineMaterial& material, double stress_free_length, do
 LineResponse respond(const LineMaterial& material, double stress_free_length, double length,
                      std::span<const double> history_n, std::span<double> history);
 
-/// Work of yielding of a bar, per volume [J/m^3].
+/// Stress of a bar, or of a fibre of a beam, that yields.
+struct BarStress {
+  double stress = 0;          ///< [Pa]
+  double slope = 0;           ///< d stress / d strain [Pa]
+  double elastic_strain = 0;  ///< strain without the plastic one
+};
+
+/// Backward Euler from the accepted plastic strain, and the sum of its size.
+/// @pre the material has hardening
+BarStress bar_stress(const LineMaterial& bar, double strain, std::span<const double> history_n,
+                     std::span<double> history);
+
+/// Work of yielding of a bar or fibre, per volume [J/m^3].
 double plastic_work(const LineMaterial& bar, std::span<const double> history);
 
 /// Laws of lines: truss, cable, brake, bar, beam.

@@ -59,7 +59,7 @@ KeyTable cell_material_keys() {
 
 KeyTable group_material_keys() {
   KeyTable table = material_table("material_of_group", "Material of the cells or lines of a group.",
-                                  {"von_mises", "bar"});
+                                  {"von_mises", "bar", "beam"});
   std::vector<std::string> laws = laws_of_cells;
   laws.insert(laws.end(), line_laws.begin(), line_laws.end());
   table.keys.front() =

@@ -171,7 +171,7 @@ FemProbes<dim>::FemProbes(const FemSettings<dim>& settings)
   name_yielding(settings);
   for (const LineMaterial& material : settings.line_materials) {
     names_.insert(names_.end(), {"axial_max_" + material.group, "axial_min_" + material.group});
-    if (material.hardening) {
+    if (material.hardening && !material.beam) {
       names_.insert(names_.end(), {"stress_max_" + material.group, "stress_min_" + material.group});
     }
     if (material.beam) {
@@ -337,7 +337,7 @@ void FemProbes<dim>::add_lines(const StructureState& state, const CellIntegrals<
         values.push_back(ranks_.shared().largest(size));
       }
     }
-    if (block.yields()) {
+    if (block.yields() && !block.beams()) {
       const double area = block.material().area;
       values.insert(values.end(), {values[values.size() - 2] / area, values.back() / area});
     }

@@ -51,6 +51,7 @@ SectionForces<dim>::SectionForces(const FemSettings<dim>& settings,
     for (const std::int32_t i : nodes_of(settings, e))
       sides[static_cast<std::size_t>(i) * 2 + side] += 1;
   }
+  count_links(cells, sides);
   shared.sum(sides, 2);
   double own = 0;
   cut_.resize(mesh_.nodes.size());
@@ -65,6 +66,22 @@ SectionForces<dim>::SectionForces(const FemSettings<dim>& settings,
       "cells or lines on both sides that share nodes",
       section_.where, section_.name);
   find_parts(settings, cells);
+}
+
+/// A link is on the side of the beam that it belongs to.
+template <int dim>
+void SectionForces<dim>::count_links(const CellIntegrals<dim>& cells, std::vector<double>& sides) {
+  std::vector<RigidLink<dim>> behind;
+  const auto links = cells.links().links();
+  for (std::size_t l = 0; l < links.size(); ++l) {
+    const std::size_t side = is_behind(mesh_.line(links[l].line)) ? 0 : 1;
+    sides[static_cast<std::size_t>(links[l].place) * 2 + side] += 1;
+    for (const auto& arm : links[l].arms) sides[static_cast<std::size_t>(arm.node) * 2 + side] += 1;
+    if (side == 1) continue;
+    behind.push_back(links[l]);
+    whose_.push_back(l);
+  }
+  links_ = RigidLinks<dim>(std::move(behind), beam_nodes_.length);
 }
 
 template <int dim>
@@ -142,6 +159,12 @@ std::vector<double> SectionForces<dim>::forces_behind(const StructureState& stat
   };
   for (const auto& part : cell_parts_) add(part, cells.of_block(all, part.of_block));
   for (const auto& part : line_parts_) add(part, cells.of_line_block(all, part.of_block));
+  if (links_.num_arms() > 0) {
+    const auto histories = cells.link_histories(all);
+    std::vector<std::span<const double>> own;
+    for (const std::size_t l : whose_) own.push_back(histories[l]);
+    links_.add_internal(state.motion.u, f, nullptr, 0, own);
+  }
   return f;
 }
 

@@ -17,6 +17,7 @@
 #include "common/mechanics/ranks/text.hpp"
 #include "fem_solver/stress/cell_damage.hpp"
 #include "fem_solver/stress/cells_of_materials.hpp"
+#include "fem_solver/supports/link_nodes.hpp"
 
 namespace gabion::fem {
 
@@ -35,6 +36,9 @@ CellIntegrals<dim> make_cells(const FemSettings<dim>& settings) {
         LinesOfMesh<dim>{settings.line_materials, settings.beam_nodes(), &settings.embedded});
   });
   cells->set_nodal_parts(nodal_parts(settings));
+  if (!settings.rigid_links.empty()) {
+    cells->set_links({rigid_links(settings), settings.rotation_length});
+  }
   return std::move(*cells);
 }
 

@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <type_traits>
 
 #include "common/base/require.hpp"
 #include "fem_solver/beams/beam_axes.hpp"
@@ -13,14 +12,6 @@ namespace gabion::fem {
 namespace {
 
 constexpr double largest_angle = 3;  // of a node in a step, and between nodes [rad]
-
-/// The i-th unknown of a cell: a number, or one that derivatives are taken by.
-template <class S>
-S unknown(double value, int i) {
-  S x = value;
-  if constexpr (!std::is_same_v<S, double>) x.slope[i] = 1;
-  return x;
-}
 
 Turn<double> accepted_turn(std::span<const double> history, int end) {
   const double* q = &history[4 * end];
@@ -37,7 +28,12 @@ Turn<S> constant(const Turn<double>& q) {
 template <int dim>
 BeamCells<dim>::BeamCells(const Mesh<dim>& mesh, const LineMaterial& material,
                           std::span<const std::int32_t> lines, const BeamNodes& nodes)
-    : stiffness_(material.beam->stiffness(material.young_modulus)), length_(nodes.length) {
+    : material_(material),
+      stiffness_(material.beam->stiffness(material.young_modulus)),
+      length_(nodes.length) {
+  if (material.hardening) {
+    fibre_numbers_ = FibreSection::fibre_width * material.beam->section.fibres.size();
+  }
   for (const std::int32_t l : lines) {
     const auto ends = mesh.line(l);
     Cell cell{.element = mesh.num_cells() + l,
@@ -84,7 +80,17 @@ std::array<Turn<S>, 2> BeamCells<dim>::turns(const Cell& cell, std::span<const d
 template <int dim>
 template <class S>
 auto BeamCells<dim>::forces(const Cell& cell, std::span<const double> u,
-                            std::span<const double> history) const {
+                            HistoryStep history) const {
+  const auto accepted = history.accepted;
+  if (fibre_numbers_ == 0) return forces_with<S>(ElasticSection{stiffness_}, cell, u, accepted);
+  const FibreSection section(material_, stiffness_, history.part(rotation_width, fibre_numbers_));
+  return forces_with<S>(section, cell, u, accepted);
+}
+
+template <int dim>
+template <class S, class Section>
+auto BeamCells<dim>::forces_with(const Section& section, const Cell& cell,
+                                 std::span<const double> u, std::span<const double> history) const {
   std::array<S, dim> chord;
   for (int c = 0; c < dim; ++c) {
     const auto at = [&](int end) {
@@ -95,15 +101,15 @@ auto BeamCells<dim>::forces(const Cell& cell, std::span<const double> u,
   }
   if constexpr (dim == 3) {
     const auto q = turns<S>(cell, u, history);
-    return beam_forces({stiffness_, cell.frame, cell.length}, chord, q[0], q[1]);
+    return beam_forces({cell.frame, cell.length}, chord, q[0], q[1], section);
   } else {
     const auto angle = [&](int end) {
       const double w = u[static_cast<std::size_t>(cell.nodes[2 + end]) * 2];
       return S(1 / length_) * unknown<S>(w, (2 + end) * 2);
     };
-    const StraightFrame frame = {
-        stiffness_, {cell.chord[0] / cell.length, cell.chord[1] / cell.length}, cell.length};
-    return frame_forces(frame, chord, angle(0), angle(1));
+    const StraightFrame frame = {{cell.chord[0] / cell.length, cell.chord[1] / cell.length},
+                                 cell.length};
+    return frame_forces(frame, chord, angle(0), angle(1), section);
   }
 }
 
@@ -177,8 +183,8 @@ StressIntegral BeamCells<dim>::add_internal(std::span<const double> u, std::span
   StressIntegral result;
   for (std::size_t k = 0; k < cells_.size(); ++k) {
     const Cell& cell = cells_[k];
-    const HistoryStep own = history.part(k * history_width, history_width);
-    const auto beam = forces<double>(cell, u, own.accepted);
+    const HistoryStep own = history.part(k * history_width(), history_width());
+    const auto beam = forces<double>(cell, u, own);
     const char* fault = remember(cell, u, own);
     if (angle_between(beam) > largest_angle) fault = "nodes turned by 3 rad to each other";
     if (fault) {
@@ -187,7 +193,7 @@ StressIntegral BeamCells<dim>::add_internal(std::span<const double> u, std::span
     result.energy += beam.energy;
     add_to(cell, of_unknowns(beam, length_), f_int);
     if (!K) continue;
-    const auto f = of_unknowns(forces<Own>(cell, u, own.accepted), length_);
+    const auto f = of_unknowns(forces<Own>(cell, u, own), length_);
     std::array<double, num_unknowns * num_unknowns> K_cell;
     for (int i = 0; i < num_unknowns; ++i) {
       std::ranges::copy(f[i].slope, K_cell.begin() + i * num_unknowns);
@@ -219,9 +225,10 @@ template <int dim>
 std::vector<SectionResultants<double>> BeamCells<dim>::resultants(
     std::span<const double> u, std::span<const double> history) const {
   std::vector<SectionResultants<double>> result;
+  std::vector<double> unused(history_width());
   for (std::size_t k = 0; k < cells_.size(); ++k) {
-    const auto beam =
-        forces<double>(cells_[k], u, history.subspan(k * history_width, history_width));
+    const auto own = history.subspan(k * history_width(), history_width());
+    const auto beam = forces<double>(cells_[k], u, {.accepted = own, .trial = unused});
     if constexpr (dim == 3) {
       result.push_back(beam.section);
     } else {
@@ -229,6 +236,35 @@ std::vector<SectionResultants<double>> BeamCells<dim>::resultants(
     }
   }
   return result;
+}
+
+template <int dim>
+template <class Visit>
+void BeamCells<dim>::for_each_fibre(std::size_t k, std::span<const double> history,
+                                    const Visit& visit) const {
+  constexpr std::size_t width = FibreSection::fibre_width;
+  const std::size_t first = k * history_width() + rotation_width;
+  for (std::size_t i = 0; i * width < fibre_numbers_; ++i) {
+    visit(i, history.subspan(first + i * width, width));
+  }
+}
+
+template <int dim>
+double BeamCells<dim>::plastic_work(std::size_t k, std::span<const double> history) const {
+  double sum = 0;
+  for_each_fibre(k, history, [&](std::size_t i, std::span<const double> own) {
+    sum += material_.beam->section.fibres[i].area * fem::plastic_work(material_, own);
+  });
+  return cells_[k].length * sum;
+}
+
+template <int dim>
+double BeamCells<dim>::plastic_strain(std::size_t k, std::span<const double> history) const {
+  double largest = 0;
+  for_each_fibre(k, history, [&](std::size_t, std::span<const double> own) {
+    largest = std::max(largest, own[1]);
+  });
+  return largest;
 }
 
 template class BeamCells<2>;

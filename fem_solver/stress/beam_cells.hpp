@@ -11,6 +11,7 @@
 #include "fem_solver/beams/beam_forces.hpp"
 #include "fem_solver/beams/beam_nodes.hpp"
 #include "fem_solver/materials/line_material.hpp"
+#include "fem_solver/stress/fibre_section.hpp"
 #include "fem_solver/stress/stress_integral.hpp"
 
 namespace gabion::fem {
@@ -21,8 +22,10 @@ namespace gabion::fem {
 template <int dim>
 class BeamCells {
  public:
-  /// Numbers that a beam remembers; all zero: not turned.
-  static constexpr std::size_t history_width = dim == 3 ? 14 : 0;
+  /// Numbers that a beam remembers of its rotations; all zero: not turned.
+  static constexpr std::size_t rotation_width = dim == 3 ? 14 : 0;
+  /// All of them: then those of the fibres, where the section yields.
+  std::size_t history_width() const { return rotation_width + fibre_numbers_; }
 
   /// @param lines  of the mesh
   /// @throws ConfigError  an orientation along a beam
@@ -40,6 +43,10 @@ class BeamCells {
   std::vector<SectionResultants<double>> resultants(std::span<const double> u,
                                                     std::span<const double> history) const;
   double length(std::size_t k) const { return cells_[k].length; }
+  /// Of the k-th beam. @param history  of all beams
+  double plastic_work(std::size_t k, std::span<const double> history) const;  ///< [J]
+  /// The largest over its fibres of the sum of the size of plastic strains.
+  double plastic_strain(std::size_t k, std::span<const double> history) const;
 
  private:
   static constexpr int num_unknowns = 4 * dim;
@@ -57,12 +64,20 @@ class BeamCells {
   std::array<Turn<S>, 2> turns(const Cell& cell, std::span<const double> u,
                                std::span<const double> history) const;
   template <class S>
-  auto forces(const Cell& cell, std::span<const double> u, std::span<const double> history) const;
+  auto forces(const Cell& cell, std::span<const double> u, HistoryStep history) const;
+  template <class S, class Section>
+  auto forces_with(const Section& section, const Cell& cell, std::span<const double> u,
+                   std::span<const double> history) const;
+  /// Visit the history of each fibre of the k-th beam, with the fibre's number.
+  template <class Visit>
+  void for_each_fibre(std::size_t k, std::span<const double> history, const Visit& visit) const;
   const char* remember(const Cell& cell, std::span<const double> u, HistoryStep history) const;
   void add_to(const Cell& cell, std::span<const double> f_cell, std::span<double> f_int) const;
 
+  LineMaterial material_;
   BeamStiffness stiffness_;
-  double length_;  // of the rotations' unknowns [m]
+  std::size_t fibre_numbers_ = 0;  // 0: elastic
+  double length_;                  // of the rotations' unknowns [m]
   std::vector<Cell> cells_;
 };
 

@@ -206,6 +206,9 @@ void CellIntegrals<dim>::set_pattern(BlockMatrix<dim>& K) const {
   nodes.insert(nodes.end(), line_nodes_.begin(), line_nodes_.end());
   const std::int32_t first = offsets.back();
   for (const std::int32_t end : line_ends_) offsets.push_back(first + end);
+  const std::vector<std::int32_t> of_links = links_.nodes();
+  nodes.insert(nodes.end(), of_links.begin(), of_links.end());
+  for (std::size_t k = 0; k < links_.num_arms(); ++k) offsets.push_back(offsets.back() + 3);
   K.set_pattern(num_nodes_, offsets, nodes);
 }
 
@@ -232,29 +235,16 @@ StressIntegral CellIntegrals<dim>::add_internal(std::span<const double> u, std::
     first += block.history_size();
   }
   sum.energy += nodal_parts_.add_internal(u, f_int, K);
+  if (links_.num_arms() > 0) {
+    sum.energy += links_.add_internal(u, f_int, K, static_cast<std::int32_t>(num_elements()),
+                                      link_histories(history.accepted));
+  }
   return sum;
 }
 
 template <int dim>
 void CellIntegrals<dim>::add_line_stiffness(double share, BlockMatrix<dim>& K) const {
   for (const auto& block : line_blocks_) block.add_stiffness(share, K);
-}
-
-template <int dim>
-std::span<const double> CellIntegrals<dim>::of_block(std::span<const double> history,
-                                                     std::size_t block) const {
-  std::size_t first = 0;
-  for (std::size_t b = 0; b < block; ++b) first += blocks_[b].history_size();
-  return history.subspan(first, blocks_[block].history_size());
-}
-
-template <int dim>
-std::span<const double> CellIntegrals<dim>::of_line_block(std::span<const double> history,
-                                                          std::size_t block) const {
-  std::size_t first = 0;
-  for (const auto& cells : blocks_) first += cells.history_size();
-  for (std::size_t b = 0; b < block; ++b) first += line_blocks_[b].history_size();
-  return history.subspan(first, line_blocks_[block].history_size());
 }
 
 template <int dim>
@@ -330,22 +320,6 @@ double CellIntegrals<dim>::largest_rotation(std::span<const double> u) const {
 }
 
 template <int dim>
-std::size_t CellIntegrals<dim>::history_size() const {
-  std::size_t sum = 0;
-  for (const auto& block : blocks_) sum += block.history_size();
-  for (const auto& block : line_blocks_) sum += block.history_size();
-  return sum;
-}
-
-template <int dim>
-std::size_t CellIntegrals<dim>::history_width() const {
-  std::size_t widest = 0;
-  for (const auto& block : blocks_) widest = std::max(widest, block.history_width());
-  for (const auto& block : line_blocks_) widest = std::max(widest, block.history_width());
-  return widest;
-}
-
-template <int dim>
 bool CellIntegrals<dim>::yields() const {
   return std::ranges::any_of(blocks_, [](const auto& block) { return block.yields(); });
 }
@@ -353,44 +327,6 @@ bool CellIntegrals<dim>::yields() const {
 template <int dim>
 bool CellIntegrals<dim>::cracks() const {
   return std::ranges::any_of(blocks_, [](const auto& block) { return block.cracks(); });
-}
-
-/// Call visit(place in a history, place in rows, number of values) for each cell and line.
-template <int dim>
-template <class Visit>
-void CellIntegrals<dim>::for_each_cell_history(const Visit& visit) const {
-  std::size_t place = 0;
-  for (const auto& block : blocks_) {
-    for (const std::int32_t c : block.cells()) {
-      visit(place, static_cast<std::size_t>(c) * history_width(), block.history_width());
-      place += block.history_width();
-    }
-  }
-  for (const auto& block : line_blocks_) {
-    for (const std::int32_t l : block.lines()) {
-      visit(place, static_cast<std::size_t>(num_cells_ + l) * history_width(),
-            block.history_width());
-      place += block.history_width();
-    }
-  }
-}
-
-template <int dim>
-std::vector<double> CellIntegrals<dim>::history_rows(std::span<const double> history) const {
-  std::vector<double> rows(num_elements() * history_width(), 0.0);
-  for_each_cell_history([&](std::size_t place, std::size_t row, std::size_t size) {
-    std::ranges::copy(history.subspan(place, size), rows.begin() + row);
-  });
-  return rows;
-}
-
-template <int dim>
-std::vector<double> CellIntegrals<dim>::history_of_rows(std::span<const double> rows) const {
-  std::vector<double> history(history_size());
-  for_each_cell_history([&](std::size_t place, std::size_t row, std::size_t size) {
-    std::ranges::copy(rows.subspan(row, size), history.begin() + place);
-  });
-  return history;
 }
 
 template class CellIntegrals<2>;

@@ -9,6 +9,7 @@
 #include "fem_solver/stress/cell_block.hpp"
 #include "fem_solver/stress/line_block.hpp"
 #include "fem_solver/stress/nodal_parts.hpp"
+#include "fem_solver/stress/rigid_links.hpp"
 
 namespace gabion::fem {
 
@@ -28,6 +29,11 @@ class CellIntegrals {
 
   /// Take these, too, into all sums below.
   void set_nodal_parts(NodalParts<dim> parts) { nodal_parts_ = std::move(parts); }
+  /// The same of links, each at a beam of these cells; before set_pattern().
+  void set_links(RigidLinks<dim> links);
+  const RigidLinks<dim>& links() const { return links_; }
+  /// History of the beam at each link; empty in the plane.
+  std::vector<std::span<const double>> link_histories(std::span<const double> history) const;
 
   /// f_int,a = sum_q w_q P(H_q) dN_a/dX, H = sum_a u_a (x) dN_a/dX, and on demand
   /// K_ab = sum_q w_q dN_a/dX . dP/dH . dN_b/dX.
@@ -112,8 +118,10 @@ class CellIntegrals {
   std::vector<std::int32_t> line_ends_;  // end of each line in line_nodes_
   std::vector<LineBlock<dim>> line_blocks_;
   NodalParts<dim> nodal_parts_;
-  std::vector<double> cell_masses_;    // cells x nodes x nodes [kg]; empty when lumped
-  std::vector<double> lumped_masses_;  // num_nodes [kg]; empty when consistent
+  RigidLinks<dim> links_;
+  std::vector<std::size_t> link_starts_;  // of the beam at each link in a history
+  std::vector<double> cell_masses_;       // cells x nodes x nodes [kg]; empty when lumped
+  std::vector<double> lumped_masses_;     // num_nodes [kg]; empty when consistent
   double smallest_cell_size_ = 0;
 };
 

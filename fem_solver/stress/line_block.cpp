@@ -226,7 +226,8 @@ template <int dim>
 double LineBlock<dim>::plastic_work(std::span<const double> history) const {
   double sum = 0;
   if (!yields()) return sum;
-  for (std::size_t k = 0; k < lines_.size(); ++k) {
+  for (std::size_t k = 0; beams_ && k < lines_.size(); ++k) sum += beams_->plastic_work(k, history);
+  for (std::size_t k = 0; !beams_ && k < lines_.size(); ++k) {
     sum += material_.area * free_lengths_[k] *
            fem::plastic_work(material_, history.subspan(k * history_width(), history_width()));
   }
@@ -238,7 +239,8 @@ std::vector<double> LineBlock<dim>::plastic_strains(std::span<const double> hist
   std::vector<double> strains;
   if (!yields()) return strains;
   for (std::size_t k = 0; k < lines_.size(); ++k) {
-    strains.push_back(history[k * history_width() + 1]);
+    strains.push_back(beams_ ? beams_->plastic_strain(k, history)
+                             : history[k * history_width() + 1]);
   }
   return strains;
 }

@@ -58,8 +58,8 @@ class LineBlock {
   /// Forces along its lines, tension positive [N]. @param history  accepted
   std::vector<double> forces(std::span<const double> u, std::span<const double> history) const;
   double brake_work(std::span<const double> history) const;    ///< [J]
-  double plastic_work(std::span<const double> history) const;  ///< of bars [J]
-  /// Sum of the size of plastic strains of its lines; empty: no bars.
+  double plastic_work(std::span<const double> history) const;  ///< of bars and beams [J]
+  /// Sum of the size of plastic strains of its lines, of beams the largest; empty: none yields.
   std::vector<double> plastic_strains(std::span<const double> history) const;
 
   const LineMaterial& material() const { return material_; }
@@ -67,7 +67,7 @@ class LineBlock {
   /// Null: its lines are no beams.
   const BeamCells<dim>* beams() const { return beams_ ? &*beams_ : nullptr; }
   std::size_t history_width() const {  ///< of a line
-    return beams_ ? BeamCells<dim>::history_width : material_.history_size();
+    return beams_ ? beams_->history_width() : material_.history_size();
   }
   bool yields() const { return material_.hardening.has_value(); }
   std::size_t history_size() const { return history_width() * lines_.size(); }

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "common/base/log.hpp"
 
@@ -33,6 +35,26 @@ std::array<bool, dim> held_components(const FemSettings<dim>& settings,
   return held;
 }
 
+/// What holds one of two parts with a rigid link between them holds both.
+template <int dim>
+void join_linked(const FemSettings<dim>& settings, std::span<const ConnectedPart<dim>> parts,
+                 std::vector<std::array<bool, dim>>& held) {
+  for (std::size_t round = 0; round < parts.size(); ++round) {
+    for (const RigidLinkSettings& link : settings.rigid_links) {
+      std::array<bool, dim> any{};
+      const auto is_linked = [&](std::size_t k) {
+        return parts[k].groups.contains(link.beam) || parts[k].groups.contains(link.group);
+      };
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        for (int c = 0; c < dim && is_linked(k); ++c) any[c] = any[c] || held[k][c];
+      }
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        if (is_linked(k)) held[k] = any;
+      }
+    }
+  }
+}
+
 template <int dim>
 std::string touching_text(const MeshConnection<dim>& connection, const ConnectedPart<dim>& part) {
   if (part.num_touching == 0) return "";
@@ -48,6 +70,7 @@ void check_held_parts(const ConfigReader& in, const FemSettings<dim>& settings,
   const auto& parts = connection.parts;
   std::vector<std::array<bool, dim>> held;
   for (const auto& part : parts) held.push_back(held_components(settings, part));
+  if (!settings.rigid_links.empty()) join_linked<dim>(settings, parts, held);
   const auto is_held = [](const std::array<bool, dim>& components) {
     return std::ranges::any_of(components, [](bool component) { return component; });
   };

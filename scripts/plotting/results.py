@@ -223,6 +223,13 @@ class Results:
         return {name: series for name, series in self.contacts.items() if name not in boulders}
 
     @property
+    def beam_surfaces(self) -> list[Series]:
+        """The soil's copies of surfaces around beams, whose structures have no faces of their own."""
+        names = [item["name"] for file, settings in self.resolved.items() if file.endswith("fem.json")
+                 for item in settings.get("interfaces") or [] if item.get("beams")]
+        return [self.contacts[name] for name in names if name in self.contacts]
+
+    @property
     def structures(self) -> list[Series]:
         """Results of each fem_solver, in the order of their folders."""
         return [Series(path) for path in sorted(self.folder.glob("*/structure.xdmf"))]

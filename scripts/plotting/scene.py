@@ -85,6 +85,7 @@ class ScenePlot:
         self.first = _first_with_points(results.soil)
         self.soil = results.soil if self.first else None
         self.structures = results.structures
+        self.beam_surfaces = results.beam_surfaces
         self.rigid_walls = Walls(results)
         self.boulders = Boulders(results)
         series = next((s for s in (self.soil, *self.structures) if s), None)
@@ -173,6 +174,8 @@ class ScenePlot:
         In space soil beside it shines through.
         """
         frame = structure.frame(structure.nearest(time))
+        if frame.cells is None or len(frame.cells) == 0:  # lines alone
+            return
         first = structure.frame(0)
         faces = self.view.faces(frame.points, frame.cells)
         edges = _outline(self.view.faces(first.points, first.cells))
@@ -181,6 +184,16 @@ class ScenePlot:
                                            edgecolor=STRUCTURE, linewidth=0.4))
         axes.add_collection(LineCollection(self.view.project(first.points[edges]),
                                            colors=STRUCTURE, linewidths=0.8, linestyles=":"))
+
+    def _draw_beams(self, axes: Axes, time: float) -> None:
+        """The soil's copy of the surfaces around beams."""
+        for series in self.beam_surfaces:
+            frame = series.frame(series.nearest(time))
+            facets = self.view.project(frame.points)[frame.cells]
+            if facets.shape[1] == 2:
+                axes.add_collection(LineCollection(facets, colors=STRUCTURE, linewidths=0.8))
+            else:
+                axes.add_collection(PolyCollection(facets, facecolor=(0.74, 0.74, 0.74, 0.7), edgecolor="none"))
 
     def wall_lines(self, time: float) -> list[tuple[np.ndarray, np.ndarray]]:
         """Segments of each rigid wall that acts at `time`, and the strokes behind them."""
@@ -205,6 +218,7 @@ class ScenePlot:
         soil = self._draw_soil(axes, time) if self.soil else None
         for structure in self.structures:
             self._draw_structure(axes, structure, time)
+        self._draw_beams(axes, time)
         self._draw_walls(axes, instant)
         self._draw_boulders(axes, instant)
         axes.set_aspect("equal")

@@ -158,6 +158,10 @@ class SpacePlot(ScenePlot):
             return np.zeros((0, 4, 3))
         return frame.points[outer_faces(frame.cells)]
 
+    def _beam_faces(self, time: float) -> list[np.ndarray]:
+        frames = [series.frame(series.nearest(time)) for series in self.beam_surfaces]
+        return [frame.points[frame.cells] for frame in frames]
+
     def _with_ground(self, polygons: list, shaded: np.ndarray, normals: np.ndarray,
                      depths: np.ndarray) -> tuple[list, np.ndarray, np.ndarray, np.ndarray]:
         """What is drawn, and the ground before it: ground hides what lies behind it by more than the size of its
@@ -173,8 +177,8 @@ class SpacePlot(ScenePlot):
     def draw(self, axes: Axes, time: float) -> ScalarMappable | None:
         """Sides of boxes first, then all else from the back to the front; what is turned away is left out."""
         parts = self._soil_parts(time) if self.soil else []
-        for structure in self.structures:
-            faces = self._structure_faces(structure, time)
+        solids = [self._structure_faces(structure, time) for structure in self.structures]
+        for faces in (*solids, *self._beam_faces(time)):
             parts.append((faces, np.tile(STEEL, (len(faces), 1)), normals_of(faces)))
         walls = self._wall_collection()
         if walls is not None:
