@@ -3,11 +3,12 @@
 faces."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from plotting.contact import facet_vectors
-from plotting.results import Frame, Results, Series, Table
+from plotting.results import Frame, Results, Series
 from plotting.view import AXES, up_axis
 
 UPRIGHT = 0.5  # largest vertical part of the unit normal of a facet of an upright face
@@ -69,11 +70,11 @@ def foot_of(frame: Frame, up: int, dim: int) -> np.ndarray:
     return ((lowest.min(axis=0) + lowest.max(axis=0)) / 2)[:dim]
 
 
-def moments(results: Results) -> list[tuple[str, np.ndarray, Table | np.ndarray, np.ndarray]]:
-    """Surface, time, moment about its own foot, the foot; of surfaces with frames and any moment."""
-    up, contacts, found = up_axis(results.dim, results.gravity), results.surfaces, []
+def moments(results: Results) -> list[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
+    """Surface, time, moment about its own foot, the foot; of surfaces with frames and any moment, but not of beds."""
+    up, contacts, found = up_axis(results.dim, results.gravity), loaded_surfaces(results), []
     for loads in all_loads(results):
-        if loads.name not in contacts or not len(contacts[loads.name]):
+        if loads.name not in contacts:
             continue
         foot = foot_of(contacts[loads.name].frame(0), up, results.dim)
         moment = loads.moment_about(foot)
@@ -132,9 +133,29 @@ def faces_of(name: str, series: Series, dim: int, up: int) -> list[Face]:
     return found
 
 
+@lru_cache(maxsize=2)
 def touched_faces(results: Results) -> list[Face]:
-    """Faces of interfaces and rigid walls that soil pressed on."""
-    up = up_axis(results.dim, results.gravity)
-    faces = [face for name, series in results.surfaces.items() if len(series)
+    """Faces of interfaces and rigid walls that soil pressed on, but not those of the ground."""
+    up, ground = up_axis(results.dim, results.gravity), grounds(results)
+    faces = [face for name, series in results.surfaces.items() if len(series) and name not in ground
              for face in faces_of(name, series, results.dim, up)]
     return [face for face in faces if np.nanmax(face.pressure, initial=0) > 0]
+
+
+def grounds(results: Results) -> set[str]:
+    """Rigid walls that are terrain."""
+    return {wall["name"] for wall in results.settings("mpm.json").get("rigid_walls", [])
+            if "triangles" in wall.get("surface", {})}
+
+
+def rigid_walls(results: Results) -> set[str]:
+    return {wall["name"] for wall in results.settings("mpm.json").get("rigid_walls", []) if "name" in wall}
+
+
+def loaded_surfaces(results: Results) -> dict[str, Series]:
+    """Name -> frames of the interfaces, and of those rigid walls that stand upright and had soil on their faces: a
+    bed is none."""
+    touched = {face.surface for face in touched_faces(results)}
+    rigid, ground = rigid_walls(results), grounds(results)
+    return {name: series for name, series in results.surfaces.items() if len(series) and name not in ground
+            and (name not in rigid or name in touched)}
