@@ -184,7 +184,8 @@ def pressures(results: Results) -> list[Row]:
         pressed = face.pressure > 0
         touched = np.flatnonzero(pressed.any(axis=0))[-1]
         first = int(np.argmax(pressed[:, touched]))
-        crest = ", up to its crest" if touched + 1 == len(face.height) else f"; the face ends at {face.height[-1]:.4g} m"
+        is_crest = touched + 1 == len(face.height)
+        crest = ", up to its crest" if is_crest else f"; the face ends at {face.height[-1]:.4g} m"
         rows.append((f"run-up on {where}", f"{face.height[touched]:.4g} m above its foot, first at "
                      f"{face.times[first]:.4g} s: the highest facets that soil pressed on{crest}"))
     return rows

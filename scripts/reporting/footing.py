@@ -10,6 +10,7 @@ from plotting.results import Results, Series, Table
 from plotting.view import AXES, up_axis
 
 FLAT = 1e-6  # height of an underside over the size of its structure
+HELD = 1e-6  # movement of its nodes relative to each other over the largest one of the structure
 
 
 @dataclass(frozen=True)
@@ -88,11 +89,15 @@ def structure_of(results: Results, owner: str) -> Series | None:
 
 
 def underside_of(series: Series, up: int, dim: int, upwards: float = 1.0) -> Underside | None:
-    """Outline of the lowest nodes before loading; None where these are no flat underside."""
-    frame = series.frame(0)
-    points = frame.points[:, :dim]
+    """Outline of the lowest nodes before loading; None where these are no flat underside, or not held: they move
+    relative to each other until the last frame."""
+    points = series.frame(0).points[:, :dim]
     height = upwards * points[:, up]
-    lowest = points[height <= height.min() + FLAT * float(np.ptp(points, axis=0).max())][:, plan_axes(dim, up)]
+    is_low = height <= height.min() + FLAT * float(np.ptp(points, axis=0).max())
+    moved = series.frame(len(series) - 1).points[:, :dim] - points
+    if np.ptp(moved[is_low], axis=0).max() > HELD * np.abs(moved).max():
+        return None
+    lowest = points[is_low][:, plan_axes(dim, up)]
     size = np.ptp(lowest, axis=0)
     if not np.all(size > FLAT * np.ptp(points, axis=0).max()):
         return None
@@ -162,12 +167,12 @@ def overturning(results: Results, held: Held, pressed: np.ndarray) -> str:
     if below is None:
         n = int(np.argmax(far))
         return (f"resultant {far[n]:.4g} m from the middle at {time[n]:.4g} s, {far[-1]:.4g} m at the end; no safety: "
-                "the frames show no flat underside of its structure")
+                "the frames show no flat, held underside of its structure")
     reach = below.reach(place)
     n = int(np.argmin(reach))
     size = " by ".join(f"{each:.4g}" for each in below.size)
-    words = (f"resultant {far[n]:.4g} m from the middle at {time[n]:.4g} s, {far[-1]:.4g} m at the end, of an underside "
-             f"of {size} m, the lowest nodes of the structure")
+    words = (f"resultant {far[n]:.4g} m from the middle at {time[n]:.4g} s, {far[-1]:.4g} m at the end, of an "
+             f"underside of {size} m, the lowest nodes of the structure")
     if results.dim == 2:
         words += "; it gapes beyond a sixth of the width"
     if not np.isfinite(reach[n]):

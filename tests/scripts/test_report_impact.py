@@ -197,7 +197,8 @@ class SoilPast(Made):
         self.soil([[[0, 0]]] * 4, 2)
         self.assertEqual(dict(answers(run))["volume past wall"], "none in 4 frames")
         table = (self.folder / "probes.csv").read_text().splitlines()
-        self.write("probes.csv", "\n".join([table[0] + ",soil.removed_mass", *(f"{row},7" for row in table[1:])]) + "\n")
+        rows = [table[0] + ",soil.removed_mass", *(f"{row},7" for row in table[1:])]
+        self.write("probes.csv", "\n".join(rows) + "\n")
         self.assertIn("0 m^3/m at the end", dict(answers(run))["volume past wall"])
         self.assertIn("7 kg/m that left the grid are not counted", dict(answers(run))["volume past wall"])
         self.soil([[], [], [], []], 2)
@@ -207,11 +208,17 @@ class SoilPast(Made):
 class Footings(ScriptCase):
     """A block on a held underside: the resultant of its reaction and the moment are known."""
 
-    def structure(self, corners: list[list[float]], place: str = "fem") -> None:
+    def structure(self, corners: list[list[float]], place: str = "fem", held_above: bool = False) -> None:
+        """What does not lie lowest, with held_above what does, turns and so stretches from the first frame to the
+        second."""
         points = np.array(corners, dtype=float)
         points = np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
         cells = np.arange(len(points))[None]
-        write_series(self.folder / place, "structure", [(0.0, points, cells, {"displacement": 0 * points})])
+        height = points[:, 1 if len(corners[0]) == 2 else 2]
+        moves = (height == height.min()) == held_above
+        later = points + 1e-3 * moves[:, None] * points[:, [1, 0, 2]]
+        write_series(self.folder / place, "structure", [(time, each, cells, {"displacement": each - points})
+                                                        for time, each in ((0.0, points), (1.0, later))])
 
     def plane(self, *rows: tuple[float, float, float, float]) -> Results:
         """rows: time, horizontal and vertical reaction, moment about the middle of the underside."""
@@ -242,8 +249,9 @@ class Footings(ScriptCase):
         self.assertEqual([each for each, _ in stability(self.plane((0, 0, -1, 0)))], ["uplift of structure.foot"])
 
     def test_no_flat_underside(self) -> None:
-        self.structure([[1, 2], [4, 2.5], [4, 3], [1, 3]])
-        self.assertIn("no safety", dict(stability(self.plane((0, 9, 100, 7))))["overturning of structure.foot"])
+        for slope, held_above in ((0.5, False), (0, True)):
+            self.structure([[1, 2], [4, 2 + slope], [4, 3], [1, 3]], held_above=held_above)
+            self.assertIn("no safety", dict(stability(self.plane((0, 9, 100, 7))))["overturning of structure.foot"])
 
     def test_several_structures_are_told_apart_by_their_folders(self) -> None:
         self.structure([[1, 2], [4, 2], [4, 3], [1, 3]])
