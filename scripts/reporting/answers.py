@@ -132,8 +132,8 @@ def impact_words(results: Results, impact: Impact) -> str:
     number_of_froude = froude(flow, results.gravity)
     ratio = "" if number_of_froude is None else f"; Froude number {number_of_froude:.3g}"
     return (f"{alpha[k]:.4g} at {impact.time[k]:.4g} s; at the end {alpha[-1]:.4g}: force along the flow over "
-            f"rho v^2 h{b} of gauge {flow.gauge.name} at {flow.time:.4g} s, when this was largest there: "
-            f"rho {flow.density:.4g} kg/m^3, v {flow.speed:.4g} m/s, h {flow.depth:.4g} m{width}{ratio}")
+            f"rho v² h{b} of gauge {flow.gauge.name} at {flow.time:.4g} s, when this was largest there: "
+            f"rho {flow.density:.4g} kg/m³, v {flow.speed:.4g} m/s, h {flow.depth:.4g} m{width}{ratio}")
 
 
 def boulder_forces(results: Results) -> list[Row]:
@@ -193,7 +193,7 @@ def pressures(results: Results) -> list[Row]:
 
 def past(results: Results) -> list[Row]:
     """Soil that got past each surface, as its volume at rest."""
-    unit, rows = ("m^3", "m^3/m")[results.dim == 2], []
+    unit, rows = ("m³", "m³/m")[results.dim == 2], []
     left = removed_mass(results)
     for each in soil_past(results):
         k = int(np.argmax(each.volume))
@@ -260,7 +260,7 @@ def gauges(results: Results) -> list[Row]:
     for name in gauge_names(table) if table is not None and table.num_rows else []:
         column, label = f"{name}.passed_mass", name.rpartition(".")[2]
         if column in table:
-            volume = "" if density is None else f" ({number(table[column][-1] / density, 'm^3' + unit)} at rest)"
+            volume = "" if density is None else f" ({number(table[column][-1] / density, f'm³{unit}')} at rest)"
             rows.append((f"passed gauge {label}", f"{number(table[column][-1], f'kg{unit}')} until the end{volume}"))
         parts = [(words, peak(table["time"], table[f"{name}.{leaf}"], of)) for words, leaf, of in FLOW
                  if f"{name}.{leaf}" in table]
@@ -271,7 +271,7 @@ def gauges(results: Results) -> list[Row]:
 
 
 def one_density(results: Results) -> float | None:
-    """Density at rest of all soil [kg/m^3]; None: bodies differ, or nothing says it."""
+    """Density at rest of all soil [kg/m³]; None: bodies differ, or nothing says it."""
     values = {body.get("material", {}).get("density") for body in results.settings("mpm.json").get("bodies", [])}
     value = values.pop() if len(values) == 1 else None
     return float(value) if isinstance(value, (int, float)) else None

@@ -89,7 +89,7 @@ class ImpactCoefficient(Made):
         text = dict(answers(run))["impact coefficient of wall"]
         self.assertIn("2.5 at 2 s; at the end 1:", text)
         self.assertIn("gauge toe at 1 s", text)
-        self.assertIn("rho 1500 kg/m^3, v 4 m/s, h 0.5 m; Froude number 1.79", text)
+        self.assertIn("rho 1500 kg/m³, v 4 m/s, h 0.5 m; Froude number 1.79", text)
         drawn = {each["name"]: each for each in charts(run)}
         self.assertEqual(drawn["impact-wall"]["curves"][0]["y"], [0.5, 2.5, 1])
         self.assertEqual([each["name"] for each in drawn["gauge-depth"]["curves"]], ["toe depth"])
@@ -180,7 +180,7 @@ class SoilPast(Made):
         past, = soil_past(run)
         np.testing.assert_allclose(past.volume, [0, 0, 1.0, 0.5])  # what lay behind it at the start does not count
         text = dict(answers(run))["volume past wall"]
-        self.assertIn("0.5 m^3/m at the end (0.333 of all soil), at most 1 m^3/m at 2 s", text)
+        self.assertIn("0.5 m³/m at the end (0.333 of all soil), at most 1 m³/m at 2 s", text)
         self.assertNotIn("left the grid", text)
 
     def test_in_space_over_and_around(self) -> None:
@@ -199,7 +199,7 @@ class SoilPast(Made):
         table = (self.folder / "probes.csv").read_text().splitlines()
         rows = [table[0] + ",soil.removed_mass", *(f"{row},7" for row in table[1:])]
         self.write("probes.csv", "\n".join(rows) + "\n")
-        self.assertIn("0 m^3/m at the end", dict(answers(run))["volume past wall"])
+        self.assertIn("0 m³/m at the end", dict(answers(run))["volume past wall"])
         self.assertIn("7 kg/m that left the grid are not counted", dict(answers(run))["volume past wall"])
         self.soil([[], [], [], []], 2)
         self.assertNotIn("volume past wall", dict(answers(run)))
