@@ -47,11 +47,11 @@ std::array<std::uint32_t, 4> philox(const std::array<std::uint32_t, 4>& counter,
   return x;
 }
 
-CountedRandom::CountedRandom(std::uint32_t seed, std::string_view stream) {
+CountedRandom::CountedRandom(std::uint64_t seed, std::string_view stream) {
   const std::uint64_t name = hash(stream);
   const auto low = static_cast<std::uint32_t>(name), high = static_cast<std::uint32_t>(name >> 32);
-  key_ = {seed, low};
-  stream_ = {high, 0};
+  key_ = {static_cast<std::uint32_t>(seed), low};
+  stream_ = {high, static_cast<std::uint32_t>(seed >> 32)};
 }
 
 double CountedRandom::normal(std::uint64_t index) const {

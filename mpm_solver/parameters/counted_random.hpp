@@ -16,7 +16,7 @@ std::array<std::uint32_t, 4> philox(const std::array<std::uint32_t, 4>& counter,
 class CountedRandom {
  public:
   /// @param stream  a text; numbers of different streams are independent
-  CountedRandom(std::uint32_t seed, std::string_view stream);
+  CountedRandom(std::uint64_t seed, std::string_view stream);
 
   /// A number of mean 0 and deviation 1, normally distributed (Box and Muller).
   double normal(std::uint64_t index) const;

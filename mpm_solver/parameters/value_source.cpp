@@ -135,7 +135,7 @@ RandomValues<dim> read_random(ConfigReader in, const std::string& stream, bool h
                         "larger \"step\" takes fewer",
                         fmt::join(lengths, ", "), values.lattice.num_cells(), most_random_cells));
   }
-  const CountedRandom random(static_cast<std::uint32_t>(in.integer("seed")), stream);
+  const CountedRandom random(static_cast<std::uint64_t>(in.integer("seed")), stream);
   std::vector<double> z = normal_field<dim>(values.lattice, theta, random);
   if (auto item = in.optional_object("correlated_with")) {
     const RandomValues<dim>& other = correlated_field<dim>(*item, item->text("key"), others);

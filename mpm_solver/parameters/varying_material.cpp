@@ -184,7 +184,7 @@ struct VaryingReader {
 
   void read_layer(ConfigReader& item, const std::string& stream) {
     typename VaryingMaterial<dim>::Layer layer{
-        .below = HeightSurface<dim>::read(item, place), .sources = {}, .where = item.where("")};
+        .below = HeightSurface<dim>::read(item, place), .sources = {}, .where = item.where("below")};
     std::vector<std::string> numbers, objects;
     for (const std::string& name : may_vary) {
       if (item.has(name)) (item.is_object(name) ? objects : numbers).push_back(name);

@@ -170,7 +170,7 @@ TEST(FemConfig, time_is_only_read_without_a_coupler) {
 }
 
 TEST(TimeFunction, table_is_linear_inside_and_held_outside) {
-  const auto f = fem::TimeFunction::table({1, 2, 4}, {10, 20, 0});
+  const auto f = TimeFunction::table({1, 2, 4}, {10, 20, 0});
   EXPECT_EQ(f.at(0), 10);
   EXPECT_EQ(f.at(1.5), 15);
   EXPECT_EQ(f.at(3), 10);
@@ -178,9 +178,9 @@ TEST(TimeFunction, table_is_linear_inside_and_held_outside) {
   EXPECT_FALSE(f.constant_after(0));
   EXPECT_FALSE(f.constant_after(3.9));
   EXPECT_TRUE(f.constant_after(4));
-  EXPECT_TRUE(fem::TimeFunction::constant(3).constant_after(0));
-  EXPECT_FALSE(fem::TimeFunction::ramp(3).constant_after(100));
-  EXPECT_EQ(fem::TimeFunction::ramp(3).at(2), 6);
+  EXPECT_TRUE(TimeFunction::constant(3).constant_after(0));
+  EXPECT_FALSE(TimeFunction::ramp(3).constant_after(100));
+  EXPECT_EQ(TimeFunction::ramp(3).at(2), 6);
 }
 
 std::string warnings_of(const Json& json) {

@@ -17,7 +17,7 @@ constexpr double buoyant = (saturated_density - water_density) * g;
 
 mpm::Pool pool(double level) {
   mpm::Pool result;
-  result.table = {{0, level}};
+  result.level = TimeFunction::constant(level);
   return result;
 }
 

@@ -52,6 +52,7 @@ TEST(CountedRandom, seed_and_stream_make_other_numbers) {
   EXPECT_NE(CountedRandom(1, "b").normal(7), z);
   EXPECT_NE(CountedRandom(1, "a").normal(8), z);
   EXPECT_NE(CountedRandom(1, "a").normal(7 + (std::uint64_t{1} << 32)), z);
+  EXPECT_NE(CountedRandom(1 + (std::uint64_t{1} << 32), "a").normal(7), z);
 }
 
 TEST(RandomLattice, cells_fill_the_box) {

@@ -160,9 +160,9 @@ TEST(SeepageTangent, agrees_with_differences_where_water_leaves_and_the_permeabi
 mpm::PoolLevels two_pools() {
   std::vector<mpm::Pool> pools(2);
   pools[0].to = 0.3;
-  pools[0].table = {{0, 0.9}};
+  pools[0].level = TimeFunction::constant(0.9);
   pools[1].from = 0.8;
-  pools[1].table = {{0, 0.4}};
+  pools[1].level = TimeFunction::constant(0.4);
   return {pools, 0, 4e3};
 }
 
@@ -180,7 +180,7 @@ TEST(SeepageTangent, agrees_with_differences_under_pools) {
 /// What a pool does to soil that does not move is its buoyancy, whatever the cells.
 TEST(SeepageForces, force_of_a_pool_is_the_weight_of_its_water) {
   std::vector<mpm::Pool> pools(1);
-  pools[0].table = {{0, 5}};
+  pools[0].level = TimeFunction::constant(5);
   for (const bool averages : {false, true}) {
     WetBalance<2> plane(mpm::Basis::gimp, averages, false, false, {pools, 0, 4e3});
     plane.residual(Eigen::VectorXd::Zero(plane.soil.nodes.size() * 3));

@@ -60,7 +60,7 @@ fem::FemSettings<dim> driven_box(const std::string& type, const std::string& law
       for (const double s : times) {
         values.push_back(((path(s) - Matrix<dim>::Identity()) * settings.mesh.nodes[i])[d]);
       }
-      settings.prescribed.push_back({name, d, fem::TimeFunction::table(times, values), "test"});
+      settings.prescribed.push_back({name, d, TimeFunction::table(times, values), "test"});
     }
   }
   return settings;

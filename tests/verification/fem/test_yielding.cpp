@@ -98,7 +98,7 @@ fem::FemSettings<2> quarter_ring(double p, int radial, int around) {
     // The load is that of the pressure on the two chords beside the node; on the axes the supports
     // bear the rest.
     load.force = share * p * a * std::sin(2 * half) * load.point->normalized();
-    load.factor = fem::TimeFunction::table({0, 1}, {0, 1});
+    load.factor = TimeFunction::table({0, 1}, {0, 1});
     settings.loads.push_back(load);
   }
   settings.probes.push_back({.name = "out", .point = {b, 0}, .where = ""});
@@ -139,7 +139,7 @@ TEST(enhanced_Membrane, cook_finite_strain) {
     }
     settings.tractions.push_back({.group = "right",
                                   .traction = {0, 6.25},
-                                  .factor = fem::TimeFunction::table({0, 1}, {0, 1}),
+                                  .factor = TimeFunction::table({0, 1}, {0, 1}),
                                   .where = ""});
     settings.probes.push_back({.name = "corner", .point = {48, 60}, .where = ""});
     fem::FemSolver<2> solver(comm(), std::move(settings), "");
