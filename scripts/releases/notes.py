@@ -79,5 +79,6 @@ def notes(checkout: Path, final: bool = False) -> str:
     for kind, topics in entries(lines, changelog).items():
         text += [f"## {kind}", ""]
         for topic, items in topics.items():
-            text += ([f"### {topic[0].upper()}{topic[1:]}", ""] if topic else []) + [f"- {item}" for item in items] + [""]
+            head = [f"### {topic[0].upper()}{topic[1:]}", ""] if topic else []
+            text += [*head, *(f"- {item}" for item in items), ""]
     return "\n".join(text).rstrip("\n") + "\n"

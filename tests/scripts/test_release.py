@@ -110,7 +110,7 @@ class Notes(ScriptCase):
 """
 
     def checkout(self, changes: str = CHANGES, version: str = "1.2.0", dated: str = "2026-05-04") -> Path:
-        self.write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(gabion VERSION 1.2.0 LANGUAGES CXX)\n")
+        self.write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(gabion VERSION 1.2.0 LANGUAGES C)\n")
         self.write("CITATION.cff", f"version: {version}\n" + (f'date-released: "{dated}"\n' if dated else ""))
         self.write("CHANGELOG.md", changes)
         return self.folder
@@ -139,7 +139,7 @@ class Notes(ScriptCase):
                              ({"changes": self.CHANGES.replace("2026-05-04", "May")}, "found the date May"),
                              ({"dated": "2026-05-05"}, "found date-released 2026-05-05, allowed: 2026-05-04"),
                              ({"dated": ""}, "found no line date-released: 2026-05-04"),
-                             ({"changes": self.CHANGES.replace("### Fixed", "### Mended")}, "found the heading ### Mended"),
+                             ({"changes": self.CHANGES.replace("### Fixed", "### Mended")}, "the heading ### Mended"),
                              ({"changes": self.CHANGES.replace("- Two", "Two")}, 'found "Two." before any entry'),
                              ({"changes": "# Changelog\n"}, "found no heading")):
             with self.subTest(words):
