@@ -110,7 +110,7 @@ class Notes(ScriptCase):
 """
 
     def checkout(self, changes: str = CHANGES, version: str = "1.2.0", dated: str = "2026-05-04") -> Path:
-        self.write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(gabion VERSION 1.2.0 LANGUAGES C)\n")
+        self.write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(gabion VERSION 1.2.0)\n")
         self.write("CITATION.cff", f"version: {version}\n" + (f'date-released: "{dated}"\n' if dated else ""))
         self.write("CHANGELOG.md", changes)
         return self.folder
