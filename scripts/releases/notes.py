@@ -15,7 +15,7 @@ class ReleaseNotesError(Exception):
 
 def version_of(checkout: Path) -> str:
     """Version in CMakeLists.txt, the one place where it is set."""
-    return _found(checkout / "CMakeLists.txt", r"^project\(\w+ VERSION (\S+)", "project(NAME VERSION …")
+    return _found(checkout / "CMakeLists.txt", r"^project\(\w+ VERSION ([\d.]+)", "project(NAME VERSION …")
 
 
 def _found(path: Path, expression: str, words: str) -> str:
