@@ -30,6 +30,7 @@ MEMBERS = {"axial_max": ("largest axial force in the lines of", "N", True, np.po
 FLOW = (("depth", "depth", "m"), ("mean speed", "normal_speed", "m/s"), ("dynamic pressure", "dynamic_pressure", "Pa"))
 # A participant has no dot in its name, a group may have some.
 MEMBER = re.compile(rf"(?:(?P<who>[^.]+)\.)?(?P<of>{'|'.join(MEMBERS)})(?:_(?P<group>.+))?$")
+LAST = 0.1  # part of the time whose mean is the residual value
 Row = tuple[str, str]  # what is asked, answer
 
 
@@ -66,6 +67,17 @@ def peak(time: np.ndarray, values: np.ndarray, unit: str, measure: np.ufunc = np
     return f"{number(values[k], unit)} at {time[k]:.4g} s; at the end {number(values[known][-1], unit)}"
 
 
+def residual(time: np.ndarray, values: np.ndarray, unit: str) -> str:
+    """Mean over the last tenth of the time, and how far the values are from it there; empty: no time has passed."""
+    known = np.isfinite(values)
+    late = known & (time >= time[-1] - LAST * (time[-1] - time[0]))
+    if np.count_nonzero(late) < 2:
+        return ""
+    t, v = time[late], values[late]
+    mean = float(np.trapezoid(v, t) if hasattr(np, "trapezoid") else np.trapz(v, t)) / (t[-1] - t[0])
+    return f"; in the last tenth {number(mean, unit)} on average, within {number(float(np.abs(v - mean).max()), unit)}"
+
+
 def displacements(results: Results) -> list[Row]:
     """Displacement of each probed point of a structure, by component; those that are round-off of the largest are left
     out."""
@@ -79,7 +91,7 @@ def displacements(results: Results) -> list[Row]:
         for column in columns:
             text = peak(table["time"], table[column], "m")
             if text and np.nanmax(np.abs(table[column])) > least:
-                rows.append((f"displacement {column}", text))
+                rows.append((f"displacement {column}", text + residual(table["time"], table[column], "m")))
     return rows
 
 
@@ -110,7 +122,8 @@ def force_rows(results: Results, where: str, time: np.ndarray, dt: np.ndarray, c
         text = peak(time, values, f"N{unit}")
         if text:
             impulse = float(np.nansum(values * dt))
-            rows.append((f"force on {where}, {axis}", f"{text}; impulse {number(impulse, f'N s{unit}')}"))
+            rows.append((f"force on {where}, {axis}", f"{text}{residual(time, values, f'N{unit}')}; impulse "
+                         f"{number(impulse, f'N s{unit}')}"))
     if len(rows) > 1:
         size = np.linalg.norm(np.column_stack(columns), axis=1)
         impulse = float(np.linalg.norm([np.nansum(values * dt) for values in columns]))

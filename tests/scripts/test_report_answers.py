@@ -13,7 +13,7 @@ from made_up_results import AMPLITUDE, CONTACT, END, FORCE, write_contact, write
 from script_case import ScriptCase
 
 from plotting.results import Frame, Results
-from reporting.answers import answers
+from reporting.answers import answers, residual
 from reporting.curves import chart, charts, compared
 from reporting.surfaces import Loads, faces_of, foot_of, moments
 
@@ -99,9 +99,17 @@ class Answers(ScriptCase):
         found = by_question(Results(write_results(self.folder / "run")))
         force = found["force on the structure, x"]
         self.assertIn(f"{FORCE:g} N/m at 0.151 s; at the end {FORCE:g} N/m", force)
+        self.assertIn(f"in the last tenth {FORCE:g} N/m on average, within 0 N/m", force)
         self.assertIn(f"impulse {FORCE * (END - CONTACT):.4g} N s/m", force)
         self.assertIn(f"{2 * AMPLITUDE:.4g} m", found["displacement structure.A.ux"])
         self.assertNotIn("force on the structure, y", found)  # zero
+
+    def test_residual_of_a_vibration(self) -> None:
+        """Ten whole periods about 0.5 in the last tenth, in steps of two sizes; what was before does not matter."""
+        time = np.unique(np.concatenate([np.linspace(0, 9.5, 950), np.linspace(9, 10, 3001)]))
+        values = np.where(time < 8.9, 70, 0.5 + 0.25 * np.sin(20 * np.pi * time))
+        self.assertEqual(residual(time, values, "m"), "; in the last tenth 0.5 m on average, within 0.25 m")
+        self.assertEqual(residual(time[:1], values[:1], "m"), "")
 
     def test_moments_are_about_the_foot(self) -> None:
         results = Results(self.with_moments())
