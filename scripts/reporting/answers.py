@@ -104,6 +104,8 @@ def forces(results: Results) -> list[Row]:
         parts = [name for name in table.names if name.rpartition(".")[0] and name.rpartition(".")[2] in FORCES]
         surfaces = list(dict.fromkeys(name.rpartition(".")[0] for name in parts))
         rows += force_rows(results, "the structure", table["time"], table["dt"], [table[name] for name in whole])
+        if whole and not any(np.any(table[name] != 0) for name in whole + parts):
+            rows.append(("force on the structure", f"none until {table['time'][-1]:.4g} s: nothing has touched it"))
         for surface in surfaces if len(surfaces) > 1 else []:
             columns = [table[name] for name in parts if name.rpartition(".")[0] == surface]
             rows += force_rows(results, surface, table["time"], table["dt"], columns)

@@ -131,6 +131,11 @@ class ImpactCoefficient(Made):
             np.testing.assert_allclose(impact.coefficient, np.array(FORCE[1:]) / (RHO * V**2 * H * 3))
             self.assertIn("b 3 m (the surface across the flow)", dict(answers(run))["impact coefficient of wall"])
 
+    def test_a_surface_that_nothing_reaches(self) -> None:
+        found = dict(answers(self.run_of(2, {"toe": ([[1, 0], [1, 2]], COURSE)}, [0.0] * 4)))
+        self.assertEqual(found["force on the structure"], "none until 3 s: nothing has touched it")
+        self.assertEqual([each for each in found if "impact" in each or "past" in each], [])
+
     def test_normals_of_gauges(self) -> None:
         run = self.run_of(3, {"a": ([[0, 0, 0], [0, 5, 0], [-1, 0, 2]], [flow(1, 1, 1)] * 4)}, FORCE)
         gauge, = gauges_of(run)
