@@ -72,12 +72,13 @@ def _answers(rows: list[tuple[str, str]], beside: list[tuple[str, str]] | None, 
         return "<p>Nothing is reported of a structure, a surface or a gauge so far.</p>"
     if beside is None:
         return _table(rows)
-    own, theirs = dict(rows), dict(beside)
-    head = "".join(f"<th>{html.escape(text)}</th>" for text in ("", name, other.folder.resolve().name))
-    cells = "\n".join(f"<tr><th>{html.escape(key)}</th>" + "".join(f"<td>{html.escape(run.get(key, '–'))}</td>"
-                                                                   for run in (own, theirs)) + "</tr>"
-                      for key in dict.fromkeys([*own, *theirs]))
-    return f"<table>\n<tr>{head}</tr>\n{cells}\n</table>"
+    names, runs = (name, other.folder.resolve().name), (dict(rows), dict(beside))
+    head = "".join(f"<th>{html.escape(text)}</th>" for text in ("", *names))
+    cells = "\n".join(f"<tr><th>{html.escape(key)}</th>"
+                      + "".join(f'<td data-run="{html.escape(label, quote=True)}">{html.escape(run.get(key, "–"))}</td>'
+                                for label, run in zip(names, runs)) + "</tr>"
+                      for key in dict.fromkeys([*runs[0], *runs[1]]))
+    return f'<table class="compared">\n<tr>{head}</tr>\n{cells}\n</table>'
 
 
 def _or_problem(read: Any, results: Results, problems: list[str]) -> Any:

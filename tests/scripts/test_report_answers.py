@@ -233,8 +233,8 @@ class Compared(ScriptCase):
         text = (self.folder / "page.html").read_text(encoding="utf-8")
         row = text[text.index("<th>force on the structure, x</th>"):]
         row = row[:row.index("</tr>")]
-        self.assertIn(f"<td>{FORCE:g} N/m", row)
-        self.assertIn(f"<td>{2 * FORCE:g} N/m", row)
+        self.assertIn(f'<td data-run="one">{FORCE:g} N/m', row)
+        self.assertIn(f'<td data-run="two">{2 * FORCE:g} N/m', row)
         self.assertIn('"name":"fx, two"', text)
         self.assertLess(text.index('id="answers"'), text.index('id="verdict"'))
 
