@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from plotting.history import FORCES, SECTION, boulder_parts, displacement_columns, is_rigid_wall, probe_points
 from plotting.results import Results, Table, gauge_names
@@ -74,7 +75,7 @@ def residual(time: np.ndarray, values: np.ndarray, unit: str) -> str:
     if np.count_nonzero(late) < 2:
         return ""
     t, v = time[late], values[late]
-    mean = float(np.trapezoid(v, t) if hasattr(np, "trapezoid") else np.trapz(v, t)) / (t[-1] - t[0])
+    mean = float(trapezoid(v, t)) / (t[-1] - t[0])
     return f"; in the last tenth {number(mean, unit)} on average, within {number(float(np.abs(v - mean).max()), unit)}"
 
 
