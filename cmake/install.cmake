@@ -6,7 +6,7 @@ install(TARGETS coupler mpm_solver fem_solver element_test RUNTIME DESTINATION $
 install(DIRECTORY scripts gabion configs docs structures DESTINATION ${gabion_tree} COMPONENT gabion USE_SOURCE_PERMISSIONS
   PATTERN __pycache__ EXCLUDE
   # What works on sources alone.
-  REGEX "/scripts/(bench|check_structure|describe_keys|releases|structure|test|test_on|verification|verify)$" EXCLUDE)
+  REGEX "/scripts/(bench|check_structure|describe_keys|release_notes|releases|structure|test|test_on|verification|verify)$" EXCLUDE)
 install(DIRECTORY protocol/python/gabion_participant DESTINATION ${gabion_tree}/protocol/python COMPONENT gabion
   PATTERN __pycache__ EXCLUDE)
 install(FILES protocol/README.md DESTINATION ${gabion_tree}/protocol COMPONENT gabion)

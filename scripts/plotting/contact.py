@@ -6,7 +6,9 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from plotting.faces import Face, faces_of, facet_vectors, upright_share
 from plotting.results import CONTACT, Frame, Results, Series
 from plotting.style import COLOURS, plt, save
 from plotting.view import AXES, up_axis
@@ -14,22 +16,13 @@ from plotting.view import AXES, up_axis
 NUM_TIMES = 5
 NUM_BINS = 40
 CORNER = 0.87  # cosine of the turn from which on a line has a corner
+MOSTLY = 0.5  # part of a surface that is upright, from which on its faces are drawn by themselves
 STEEP = 0.99  # sine of the least inclination of what counts as upright
 
 
 def contact_series(results: Results) -> dict[str, Series]:
     """Name of the interface, wall or boulder -> its frames."""
     return results.contacts
-
-
-def facet_vectors(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Area vectors of facets in space, normal times area; of segments their direction times length."""
-    corners = points[cells]
-    if cells.shape[1] == 2:
-        return corners[:, 1] - corners[:, 0]
-    fans = [np.cross(corners[:, k] - corners[:, 0], corners[:, k + 1] - corners[:, 0])
-            for k in range(1, cells.shape[1] - 1)]
-    return 0.5 * np.sum(fans, axis=0)
 
 
 def chain(cells: np.ndarray) -> np.ndarray:
@@ -110,40 +103,68 @@ def _chosen(series: Series, pressure: np.ndarray, times: list[float] | None) -> 
     return np.unique(np.linspace(touched[0], len(series) - 1, NUM_TIMES).astype(int))
 
 
-def _draw_profiles(axes: Axes, profile: Profile, pressure: np.ndarray, times: np.ndarray) -> None:
+def _draw_profiles(axes: Axes, label: str, edges: np.ndarray, pressure: np.ndarray, times: np.ndarray) -> None:
     for k, (values, time) in enumerate(zip(pressure, times)):
-        axes.stairs(np.nan_to_num(values), profile.edges, orientation="horizontal", baseline=None,
+        axes.stairs(np.nan_to_num(values), edges, orientation="horizontal", baseline=None,
                     color=COLOURS[k % len(COLOURS)], linestyle=("-", "--", ":")[k // len(COLOURS) % 3],
                     lw=1.4, label=f"{time:.3g} s")
     axes.set_xlabel("pressure [Pa]")
-    axes.set_ylabel(profile.label)
+    axes.set_ylabel(label)
     axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=NUM_TIMES, fontsize=9, handlelength=1,
                 columnspacing=0.8)
 
 
+def draw_history(figure: Figure, axes: Axes, series: Series, edges: np.ndarray, pressure: np.ndarray,
+                 chosen: np.ndarray) -> None:
+    """Pressure over place and time, with marks at the chosen frames. pressure: frames x places."""
+    axes.grid(False)
+    if len(series) > 1:
+        middles = (series.times[1:] + series.times[:-1]) / 2
+        borders = np.concatenate([series.times[:1], middles, series.times[-1:]])
+        image = axes.pcolormesh(borders, edges, pressure.T, cmap="viridis", rasterized=True)
+        figure.colorbar(image, ax=axes, label="pressure [Pa]")
+    for k, time in enumerate(series.times[chosen]):
+        axes.axvline(time, color=COLOURS[k % len(COLOURS)], lw=1)
+    axes.set_xlabel("time [s]")
+
+
 def plot_contact(results: Results, name: str, series: Series, times: list[float] | None,
                  out: Path) -> Path | None:
-    """Left: pressure at some times over the height or length; right: over all times. None without contact."""
-    profile = profile_of(series.frame(0), results.dim, up_axis(results.dim, results.gravity))
+    """Left: pressure at some times over the height or length; right: over all times. None without contact.
+
+    A wall has a row for each upright face that soil pressed on, over the height above its foot.
+    """
+    dim, up = results.dim, up_axis(results.dim, results.gravity)
+    first = series.frame(0)
+    profile = profile_of(first, dim, up)
+    if upright_share(first, dim, up) >= MOSTLY:
+        faces = faces_of(name, series, dim, up)
+        touched = [face for face in faces if np.nanmax(face.pressure, initial=0) > 0]
+        if touched and (len(faces) > 1 or profile.corners):
+            return plot_faces(name, series, touched, times, out)
     pressure = np.array([profile.mean(series.frame(k).fields["pressure"]) for k in range(len(series))])
     if not np.nanmax(pressure) > 0:
         return None
     chosen = _chosen(series, pressure, times)
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.6), sharey=True, width_ratios=[1, 1.2])
-    _draw_profiles(left, profile, pressure[chosen], series.times[chosen])
-    right.grid(False)
-    if len(series) > 1:
-        middles = (series.times[1:] + series.times[:-1]) / 2
-        borders = np.concatenate([series.times[:1], middles, series.times[-1:]])
-        image = right.pcolormesh(borders, profile.edges, pressure.T, cmap="viridis", rasterized=True)
-        figure.colorbar(image, ax=right, label="pressure [Pa]")
-    for k, time in enumerate(series.times[chosen]):
-        right.axvline(time, color=COLOURS[k % len(COLOURS)], lw=1)
-    right.set_xlabel("time [s]")
+    _draw_profiles(left, profile.label, profile.edges, pressure[chosen], series.times[chosen])
+    draw_history(figure, right, series, profile.edges, pressure, chosen)
     right.set_title(name.replace("_", " "), loc="left")
     for axes in (left, right):
         for corner in profile.corners:
             axes.axhline(corner, color="0.6", lw=0.8, ls=":")
+    return save(figure, out / f"{CONTACT}{name}.png")
+
+
+def plot_faces(name: str, series: Series, faces: list[Face], times: list[float] | None, out: Path) -> Path:
+    """A row a face; all have the same times."""
+    chosen = _chosen(series, np.hstack([face.pressure for face in faces]), times)
+    figure, rows = plt.subplots(len(faces), 2, figsize=(11, 0.6 + 4 * len(faces)), sharey="row", squeeze=False,
+                                width_ratios=[1, 1.2])
+    for face, (left, right) in zip(faces, rows):
+        _draw_profiles(left, "height above its foot [m]", face.edges, face.pressure[chosen], series.times[chosen])
+        draw_history(figure, right, series, face.edges, face.pressure, chosen)
+        right.set_title(f"{name.replace('_', ' ')}, side {face.side}", loc="left")
     return save(figure, out / f"{CONTACT}{name}.png")
 
 

@@ -1,17 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is asked of a run first, as numbers: factor of safety, displacements, forces, moments, pressures, run-up,
-passed mass, stability."""
+"""What is asked of a run first, as numbers: factor of safety, displacements, forces, impact coefficient, moments,
+pressures, run-up, volume past a surface, flow at gauges, stability."""
 
 import re
+from collections.abc import Callable
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from plotting.history import FORCES, SECTION, boulder_parts, displacement_columns, is_rigid_wall, probe_points
 from plotting.results import Results, Table, gauge_names
 from plotting.strength import strength_search
-from plotting.view import AXES, up_axis
+from plotting.view import AXES
 
-from .surfaces import moments, touched_faces
+from .beyond import soil_past
+from .footing import stability
+from .incoming import Impact, froude, impacts
+from .surfaces import all_loads, loaded_surfaces, moments, rigid_walls, touched_faces
 
 # Columns of fem_solver about lines, metal and concrete: what they are called, their units, whether these are per metre
 # in 2D, and of which values the largest one is asked: of the sizes, of the values, or of these with the other sign.
@@ -23,15 +28,25 @@ MEMBERS = {"axial_max": ("largest axial force in the lines of", "N", True, np.po
            "plastic_strain": ("largest plastic strain of", "", False, np.abs),
            "crack_width": ("widest crack of", "m", False, np.abs),
            "damage_work": ("work of cracks and crushing of", "J", True, np.abs)}
+FLOW = (("depth", "depth", "m"), ("mean speed", "normal_speed", "m/s"), ("dynamic pressure", "dynamic_pressure", "Pa"))
 # A participant has no dot in its name, a group may have some.
 MEMBER = re.compile(rf"(?:(?P<who>[^.]+)\.)?(?P<of>{'|'.join(MEMBERS)})(?:_(?P<group>.+))?$")
+LAST = 0.1  # part of the time whose mean is the residual value
 Row = tuple[str, str]  # what is asked, answer
 
 
-def answers(results: Results) -> list[Row]:
-    """Rows in the order in which they are asked; what a run does not have is left out."""
-    return [*safety(results), *displacements(results), *forces(results), *boulder_forces(results),
-            *base_moments(results), *pressures(results), *members(results), *gauges(results), *stability(results)]
+def parts(base_friction: float | None = None) -> list[Callable[[Results], list[Row]]]:
+    """What makes the rows, in the order in which they are asked; what a run does not have has none.
+
+    base_friction: coefficient under footings, None: not known.
+    """
+    return [safety, displacements, forces, impact_rows, boulder_forces, base_moments,
+            lambda results: stability(results, base_friction), pressures, past, members, gauges]
+
+
+def answers(results: Results, base_friction: float | None = None) -> list[Row]:
+    """All rows. @raises ResultsError, OSError, KeyError  a file that cannot be read"""
+    return [row for part in parts(base_friction) for row in part(results)]
 
 
 def safety(results: Results) -> list[Row]:
@@ -53,6 +68,17 @@ def peak(time: np.ndarray, values: np.ndarray, unit: str, measure: np.ufunc = np
     return f"{number(values[k], unit)} at {time[k]:.4g} s; at the end {number(values[known][-1], unit)}"
 
 
+def residual(time: np.ndarray, values: np.ndarray, unit: str) -> str:
+    """Mean over the last tenth of the time, and how far the values are from it there; empty: no time has passed."""
+    known = np.isfinite(values)
+    late = known & (time >= time[-1] - LAST * (time[-1] - time[0]))
+    if np.count_nonzero(late) < 2:
+        return ""
+    t, v = time[late], values[late]
+    mean = float(trapezoid(v, t)) / (t[-1] - t[0])
+    return f"; in the last tenth {number(mean, unit)} on average, within {number(float(np.abs(v - mean).max()), unit)}"
+
+
 def displacements(results: Results) -> list[Row]:
     """Displacement of each probed point of a structure, by component; those that are round-off of the largest are left
     out."""
@@ -66,26 +92,64 @@ def displacements(results: Results) -> list[Row]:
         for column in columns:
             text = peak(table["time"], table[column], "m")
             if text and np.nanmax(np.abs(table[column])) > least:
-                rows.append((f"displacement {column}", text))
+                rows.append((f"displacement {column}", text + residual(table["time"], table[column], "m")))
     return rows
 
 
 def forces(results: Results) -> list[Row]:
-    """Force on the structure with its impulse, and on each of several surfaces."""
-    table, unit = results.table("steps.csv"), results.per_metre
-    if table is None or not table.num_rows:
-        return []
-    rows = []
-    whole = [name for name in FORCES if name in table]
-    parts = [name for name in table.names if name.rpartition(".")[0] and name.rpartition(".")[2] in FORCES]
-    several = len({name.rpartition(".")[0] for name in parts}) > 1
-    for column in [*whole, *(parts if several else [])]:
-        text = peak(table["time"], table[column], f"N{unit}")
-        if text:
-            where = column.rpartition(".")[0] or "the structure"
-            impulse = float(np.nansum(table[column] * table["dt"]))
-            rows.append((f"force on {where}, {column[-1]}", f"{text}; impulse {number(impulse, f'N s{unit}')}"))
+    """Force on the structure with its impulse, on each of several surfaces, and on rigid walls that stand in the way.
+    """
+    table, rows = results.table("steps.csv"), []
+    if table is not None and table.num_rows:
+        whole = [name for name in FORCES if name in table]
+        parts = [name for name in table.names if name.rpartition(".")[0] and name.rpartition(".")[2] in FORCES]
+        surfaces = list(dict.fromkeys(name.rpartition(".")[0] for name in parts))
+        rows += force_rows(results, "the structure", table["time"], table["dt"], [table[name] for name in whole])
+        if whole and not any(np.any(table[name] != 0) for name in whole + parts):
+            rows.append(("force on the structure", f"none until {table['time'][-1]:.4g} s: nothing has touched it"))
+        for surface in surfaces if len(surfaces) > 1 else []:
+            columns = [table[name] for name in parts if name.rpartition(".")[0] == surface]
+            rows += force_rows(results, surface, table["time"], table["dt"], columns)
+    rigid = rigid_walls(results) & set(loaded_surfaces(results))
+    for loads in all_loads(results):
+        if loads.name in rigid:
+            rows += force_rows(results, loads.name, loads.time, np.diff(loads.time, prepend=loads.time[:1]),
+                               list(loads.force.T))
     return rows
+
+
+def force_rows(results: Results, where: str, time: np.ndarray, dt: np.ndarray, columns: list[np.ndarray]) -> list[Row]:
+    """Rows of the components x, y, z of a force, and of its size where it has several."""
+    unit, rows = results.per_metre, []
+    for axis, values in zip(AXES, columns):
+        text = peak(time, values, f"N{unit}")
+        if text:
+            impulse = float(np.nansum(values * dt))
+            rows.append((f"force on {where}, {axis}", f"{text}{residual(time, values, f'N{unit}')}; impulse "
+                         f"{number(impulse, f'N s{unit}')}"))
+    if len(rows) > 1:
+        size = np.linalg.norm(np.column_stack(columns), axis=1)
+        impulse = float(np.linalg.norm([np.nansum(values * dt) for values in columns]))
+        rows.append((f"force on {where}, size", f"{peak(time, size, f'N{unit}')}; impulse "
+                     f"{number(impulse, f'N s{unit}')}"))
+    return rows
+
+
+def impact_rows(results: Results) -> list[Row]:
+    """Impact coefficient of each surface, with the flow that it refers to, or why there is none."""
+    return [(f"impact coefficient of {name}", impact if isinstance(impact, str) else impact_words(results, impact))
+            for name, impact in impacts(results)]
+
+
+def impact_words(results: Results, impact: Impact) -> str:
+    flow, alpha = impact.flow, impact.coefficient
+    k = int(np.nanargmax(alpha))
+    b, width = ("", "") if results.dim == 2 else (" b", f", b {impact.width:.4g} m (the surface across the flow)")
+    number_of_froude = froude(flow, results.gravity)
+    ratio = "" if number_of_froude is None else f"; Froude number {number_of_froude:.3g}"
+    return (f"{alpha[k]:.4g} at {impact.time[k]:.4g} s; at the end {alpha[-1]:.4g}: force along the flow over "
+            f"rho v² h{b} of gauge {flow.gauge.name} at {flow.time:.4g} s, when this was largest there: "
+            f"rho {flow.density:.4g} kg/m³, v {flow.speed:.4g} m/s, h {flow.depth:.4g} m{width}{ratio}")
 
 
 def boulder_forces(results: Results) -> list[Row]:
@@ -104,12 +168,9 @@ def boulder_forces(results: Results) -> list[Row]:
 
 
 def base_moments(results: Results) -> list[Row]:
-    """Moments of the soil's forces on interfaces, about the feet of these."""
-    table, unit = results.table("probes.csv"), results.per_metre
-    rows = []
+    """Moments of the soil's forces on surfaces, about the feet of these."""
+    unit, rows = results.per_metre, []
     for name, time, moment, foot in moments(results):
-        if table is not None and is_wall_of(table, name):
-            continue
         for axis, values in zip("z" if moment.shape[1] == 1 else AXES, moment.T):
             text = peak(time, values, f"N m{unit}")
             if text:
@@ -129,19 +190,49 @@ def place(point: np.ndarray) -> str:
 
 def pressures(results: Results) -> list[Row]:
     """Largest pressure on each upright face, and the highest place that soil pressed on, by the frames."""
-    table, rows = results.table("probes.csv"), []
+    rows = []
     for face in touched_faces(results):
-        if table is not None and is_wall_of(table, face.surface):
-            continue
         frame, row = np.unravel_index(np.nanargmax(face.pressure), face.pressure.shape)
         where = f"{face.surface}, side {face.side}"
         rows.append((f"largest pressure on {where}", f"{number(face.pressure[frame, row], 'Pa')} at a height of "
                      f"{face.height[row]:.4g} m above its foot at {face.times[frame]:.4g} s (of {len(face.times)} "
                      "frames)"))
-        touched = np.flatnonzero((face.pressure > 0).any(axis=0))[-1]
-        rows.append((f"run-up on {where}", f"{face.height[touched]:.4g} m above its foot: the highest facets that soil "
-                     f"pressed on; the face ends at {face.height[-1]:.4g} m"))
+        pressed = face.pressure > 0
+        touched = np.flatnonzero(pressed.any(axis=0))[-1]
+        first = int(np.argmax(pressed[:, touched]))
+        is_crest = touched + 1 == len(face.height)
+        crest = ", up to its crest" if is_crest else f"; the face ends at {face.height[-1]:.4g} m"
+        rows.append((f"run-up on {where}", f"{face.height[touched]:.4g} m above its foot, first at "
+                     f"{face.times[first]:.4g} s: the highest facets that soil pressed on{crest}"))
     return rows
+
+
+def past(results: Results) -> list[Row]:
+    """Soil that got past each surface, as its volume at rest."""
+    unit, rows = ("m³", "m³/m")[results.dim == 2], []
+    left = removed_mass(results)
+    for each in soil_past(results):
+        k = int(np.argmax(each.volume))
+        if each.volume[k] <= 0 and not left:
+            rows.append((f"volume past {each.surface}", f"none in {len(each.times)} frames"))
+            continue
+        share = each.volume[-1] / each.whole
+        words = (f"{number(each.volume[-1], unit)} at the end ({share:.3g} of all soil), at most "
+                 f"{number(each.volume[k], unit)} at {each.times[k]:.4g} s: over, under or around it, measured at rest "
+                 f"beyond its last node along {place(each.direction)}")
+        if each.behind is not None:
+            words += f"; {number(each.behind[-1], unit)} of that at the end lies within its width"
+        if left:
+            words += f"; {number(left, f'kg{results.per_metre}')} that left the grid are not counted"
+        rows.append((f"volume past {each.surface}", words))
+    return rows
+
+
+def removed_mass(results: Results) -> float:
+    """Mass of soil that has left the grid until the end."""
+    table = results.table("probes.csv")
+    names = [name for name in table.names if name.rpartition(".")[2] == "removed_mass"] if table is not None else []
+    return sum(float(table[name][-1]) for name in names) if names and table.num_rows else 0.0
 
 
 def members(results: Results) -> list[Row]:
@@ -178,46 +269,25 @@ def place_of(found: re.Match, several: bool) -> str:
 
 
 def gauges(results: Results) -> list[Row]:
-    """What passed each gauge, such as one on a crest."""
+    """What passed each gauge, such as one on a crest, and the flow there."""
     table, unit = results.table("probes.csv"), results.per_metre
     rows = []
+    density = one_density(results)
     for name in gauge_names(table) if table is not None and table.num_rows else []:
-        column = f"{name}.passed_mass"
+        column, label = f"{name}.passed_mass", name.rpartition(".")[2]
         if column in table:
-            rows.append((f"passed gauge {name.rpartition('.')[2]}",
-                         f"{number(table[column][-1], f'kg{unit}')} until the end"))
+            volume = "" if density is None else f" ({number(table[column][-1] / density, f'm³{unit}')} at rest)"
+            rows.append((f"passed gauge {label}", f"{number(table[column][-1], f'kg{unit}')} until the end{volume}"))
+        parts = [(words, peak(table["time"], table[f"{name}.{leaf}"], of)) for words, leaf, of in FLOW
+                 if f"{name}.{leaf}" in table]
+        texts = [f"{words} {text}" for words, text in parts if text]
+        if texts:
+            rows.append((f"flow at gauge {label}", "; ".join(texts)))
     return rows
 
 
-def stability(results: Results) -> list[Row]:
-    """Stability of held groups in 2D whose reaction and moment are reported: friction that holds against sliding, place
-    of the resultant."""
-    table = results.table("probes.csv")
-    if table is None or not table.num_rows or results.dim != 2:
-        return []
-    up = up_axis(2, results.gravity)
-    rows = []
-    for column in [name for name in table.names if ".moment_" in f".{name}" and name.endswith("_z")]:
-        group = column.removesuffix("_z").replace("moment_", "reaction_")
-        names = [f"{group}_{axis}" for axis in AXES[:2]]
-        if not all(name in table for name in names):
-            continue
-        upward, across = table[names[up]], table[names[1 - up]]
-        pressed = upward > 0
-        label = group.replace("reaction_", "")
-        if not pressed.all():
-            rows.append((f"uplift of {label}", f"pulled up first at {table['time'][np.argmin(pressed)]:.4g} s"))
-        if pressed.any():
-            rows += resultant(label, table["time"][pressed], (across / np.where(pressed, upward, 1))[pressed],
-                              (table[column] / np.where(pressed, upward, 1))[pressed])
-    return rows
-
-
-def resultant(label: str, time: np.ndarray, slope: np.ndarray, arm: np.ndarray) -> list[Row]:
-    """slope: horizontal over vertical reaction; arm: moment over vertical reaction [m]."""
-    k, n = int(np.argmax(np.abs(slope))), int(np.argmax(np.abs(arm)))
-    return [(f"sliding of {label}", f"needs a friction coefficient of {abs(slope[k]):.4g} at {time[k]:.4g} s, "
-             f"{abs(slope[-1]):.4g} at the end"),
-            (f"overturning of {label}",
-             f"resultant {abs(arm[n]):.4g} m from the middle at {time[n]:.4g} s, {abs(arm[-1]):.4g} m "
-             "at the end; it overturns beyond half the width of the footing, and gapes beyond a sixth of it")]
+def one_density(results: Results) -> float | None:
+    """Density at rest of all soil [kg/m³]; None: bodies differ, or nothing says it."""
+    values = {body.get("material", {}).get("density") for body in results.settings("mpm.json").get("bodies", [])}
+    value = values.pop() if len(values) == 1 else None
+    return float(value) if isinstance(value, (int, float)) else None

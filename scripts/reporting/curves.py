@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 
 from plotting import history
-from plotting.results import Results, Table
+from plotting.gauges import PANELS
+from plotting.results import Results, Table, gauge_names
 from .answers import place
+from .incoming import impacts
 from .surfaces import moments, touched_faces
 
 BINS = 600  # of a curve: each keeps its first, lowest, highest and last value
@@ -60,7 +62,8 @@ def charts(results: Results) -> list[dict[str, Any]]:
                         [(ITERATIONS[name], steps["time"], steps[name]) for name in names], floor=0),
                   chart("dt", "step size [s]", _of(steps, ["dt"]), log=True),
                   chart("wall", "wall time of a step [s]", _wall(steps), log=True)]
-    found[1:1] = [*_moments(results), *_pressures(results)]
+    found[1:1] = [*_impacts(results), *_moments(results), *_pressures(results)]
+    found += _gauges(results)
     energies = [(name.replace("_", " "), table["time"], table[name])
                 for table, name in history.energy_curves(results)]
     sizes = [float(np.nanmax(np.abs(values), initial=0)) for _, _, values in energies]
@@ -91,6 +94,29 @@ def _pressures(results: Results) -> list[dict[str, Any]]:
         found.append(chart(f"pressure-{face.surface}{face.side}", f"pressure on {face.surface}, side {face.side} [Pa]",
                            curves,
                            label="height above its foot [m]", floor=0))
+        latest = np.where(np.nanmax(face.pressure, axis=0) > 0, face.times[np.argmax(face.pressure, axis=0)], np.nan)
+        found.append(chart(f"pressure-time-{face.surface}{face.side}",
+                           f"time of the largest pressure on {face.surface}, side {face.side} [s]",
+                           [("largest over the frames", face.height, latest)], label="height above its foot [m]"))
+    return found
+
+
+def _impacts(results: Results) -> list[dict[str, Any]]:
+    return [chart(f"impact-{name}", f"impact coefficient of {name}, by gauge {impact.flow.gauge.name} [-]",
+                  [("alpha", impact.time, impact.coefficient)])
+            for name, impact in impacts(results) if not isinstance(impact, str)]
+
+
+def _gauges(results: Results) -> list[dict[str, Any]]:
+    """A chart a quantity, with all gauges."""
+    table = results.table("probes.csv")
+    names = gauge_names(table) if table is not None and table.num_rows else []
+    found = []
+    for title, *leaves in PANELS:
+        curves = [(f"{name.rpartition('.')[2]} {leaf}".replace("_", " "), table["time"], table[f"{name}.{leaf}"])
+                  for name in names for leaf in leaves if leaf and f"{name}.{leaf}" in table]
+        words = title.format(results.per_metre).replace("\n", " ")
+        found.append(chart(f"gauge-{leaves[0].replace('_', '-')}", f"gauges: {words}", curves))
     return found
 
 

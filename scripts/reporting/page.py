@@ -10,7 +10,7 @@ from typing import Any
 from plotting.live import Run
 from plotting.results import Results, ResultsError
 from plotting.verdict import Statement, headline, verdict
-from reporting.answers import answers
+from reporting.answers import parts as asked
 from reporting.curves import charts, compared, residuals
 from reporting.frames import scene_frames
 from reporting.library import library
@@ -21,10 +21,10 @@ HERE = Path(__file__).resolve().parent
 PROGRAMS = ("chart.js", "residuals.js", "scene.js", "boulders.js", "orbit.js", "space.js", "start.js")
 
 
-def page(results: Results, other: Results | None = None) -> str:
+def page(results: Results, other: Results | None = None, base_friction: float | None = None) -> str:
     """Page of a folder in any state. Raises ResultsError where there is nothing to report.
 
-    other: a run whose answers and curves stand beside.
+    other: a run whose answers and curves stand beside; base_friction: coefficient under footings, None: not known.
     """
     run = Run(results.folder)
     run.read_on()
@@ -35,8 +35,8 @@ def page(results: Results, other: Results | None = None) -> str:
     problems: list[str] = []
     readers = {"charts": charts, "residuals": residuals, "scene": scene_frames}
     data = {key: _or_problem(read, results, problems) for key, read in readers.items()}
-    rows = _or_problem(answers, results, problems) or []
-    beside = _or_problem(answers, other, problems) or [] if other is not None else None
+    rows = _rows(results, base_friction, problems)
+    beside = _rows(other, base_friction, problems) if other is not None else None
     if other is not None and data["charts"]:
         theirs = _or_problem(charts, other, problems) or []
         data["charts"] = compared(data["charts"], theirs, other.folder.resolve().name)
@@ -60,6 +60,11 @@ def page(results: Results, other: Results | None = None) -> str:
     return text
 
 
+def _rows(results: Results, base_friction: float | None, problems: list[str]) -> list[tuple[str, str]]:
+    """Answers, without those whose files cannot be read."""
+    return [row for part in asked(base_friction) for row in _or_problem(part, results, problems) or []]
+
+
 def _answers(rows: list[tuple[str, str]], beside: list[tuple[str, str]] | None, name: str,
              other: Results | None) -> str:
     """A table; of two runs with a column each, rows of both."""
@@ -67,12 +72,13 @@ def _answers(rows: list[tuple[str, str]], beside: list[tuple[str, str]] | None, 
         return "<p>Nothing is reported of a structure, a surface or a gauge so far.</p>"
     if beside is None:
         return _table(rows)
-    own, theirs = dict(rows), dict(beside)
-    head = "".join(f"<th>{html.escape(text)}</th>" for text in ("", name, other.folder.resolve().name))
-    cells = "\n".join(f"<tr><th>{html.escape(key)}</th>" + "".join(f"<td>{html.escape(run.get(key, '–'))}</td>"
-                                                                   for run in (own, theirs)) + "</tr>"
-                      for key in dict.fromkeys([*own, *theirs]))
-    return f"<table>\n<tr>{head}</tr>\n{cells}\n</table>"
+    names, runs = (name, other.folder.resolve().name), (dict(rows), dict(beside))
+    head = "".join(f"<th>{html.escape(text)}</th>" for text in ("", *names))
+    cells = "\n".join(f"<tr><th>{html.escape(key)}</th>"
+                      + "".join(f'<td data-run="{html.escape(label, quote=True)}">{html.escape(run.get(key, "–"))}</td>'
+                                for label, run in zip(names, runs)) + "</tr>"
+                      for key in dict.fromkeys([*runs[0], *runs[1]]))
+    return f'<table class="compared">\n<tr>{head}</tr>\n{cells}\n</table>'
 
 
 def _or_problem(read: Any, results: Results, problems: list[str]) -> Any:
@@ -80,7 +86,8 @@ def _or_problem(read: Any, results: Results, problems: list[str]) -> Any:
     try:
         return read(results)
     except (ResultsError, OSError, KeyError) as error:
-        problems.append(f"Left out: {error}")
+        if f"Left out: {error}" not in problems:
+            problems.append(f"Left out: {error}")
         return None
 
 

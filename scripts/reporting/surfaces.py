@@ -3,16 +3,13 @@
 faces."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from plotting.contact import facet_vectors
-from plotting.results import Frame, Results, Series, Table
+from plotting.faces import Face, faces_of
+from plotting.results import Frame, Results, Series
 from plotting.view import AXES, up_axis
-
-UPRIGHT = 0.5  # largest vertical part of the unit normal of a facet of an upright face
-SAME = 0.87  # cosine between normals of one face
-HEIGHTS = 60  # at most, over which the pressure on a face is given
 
 
 @dataclass(frozen=True)
@@ -69,11 +66,11 @@ def foot_of(frame: Frame, up: int, dim: int) -> np.ndarray:
     return ((lowest.min(axis=0) + lowest.max(axis=0)) / 2)[:dim]
 
 
-def moments(results: Results) -> list[tuple[str, np.ndarray, Table | np.ndarray, np.ndarray]]:
-    """Surface, time, moment about its own foot, the foot; of surfaces with frames and any moment."""
-    up, contacts, found = up_axis(results.dim, results.gravity), results.surfaces, []
+def moments(results: Results) -> list[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
+    """Surface, time, moment about its own foot, the foot; of surfaces with frames and any moment, but not of beds."""
+    up, contacts, found = up_axis(results.dim, results.gravity), loaded_surfaces(results), []
     for loads in all_loads(results):
-        if loads.name not in contacts or not len(contacts[loads.name]):
+        if loads.name not in contacts:
             continue
         foot = foot_of(contacts[loads.name].frame(0), up, results.dim)
         moment = loads.moment_about(foot)
@@ -82,59 +79,29 @@ def moments(results: Results) -> list[tuple[str, np.ndarray, Table | np.ndarray,
     return found
 
 
-@dataclass(frozen=True)
-class Face:
-    """Pressure on an upright face: mean over the facets at each height, frame x height [Pa].
-
-    side: the axis to which it looks; height: above the lowest point of the surface [m]; times: of the frames [s].
-    """
-
-    surface: str
-    side: str
-    height: np.ndarray
-    times: np.ndarray
-    pressure: np.ndarray
-
-
-def normals_of(frame: Frame, dim: int) -> tuple[np.ndarray, np.ndarray]:
-    """Unit normals into the soil and sizes of facets [m] or [m^2]."""
-    vectors = facet_vectors(frame.points, frame.cells)
-    if dim == 2:  # the soil lies to the right of a line
-        vectors = np.column_stack([vectors[:, 1], -vectors[:, 0], np.zeros(len(vectors))])
-    size = np.linalg.norm(vectors, axis=1)
-    return vectors / np.where(size > 0, size, 1)[:, None], size
-
-
-def faces_of(name: str, series: Series, dim: int, up: int) -> list[Face]:
-    """Upright faces of a surface, by the side to which they look."""
-    first = series.frame(0)
-    normals, size = normals_of(first, dim)
-    centres = first.points[first.cells].mean(axis=1)[:, up] - first.points[:, up].min()
-    left = np.flatnonzero((np.abs(normals[:, up]) <= UPRIGHT) & (size > 0))
-    values = np.array([series.frame(k).fields["pressure"] for k in range(len(series))])
-    found = []
-    while len(left):
-        like = normals[left] @ normals[left[0]] > SAME
-        face, left = left[like], left[~like]
-        heights = np.unique(centres[face].round(9))
-        if len(heights) > HEIGHTS:
-            edges = np.linspace(heights[0], heights[-1], HEIGHTS + 1)
-            heights = (edges[1:] + edges[:-1]) / 2
-            row = np.clip(np.searchsorted(edges, centres[face], side="right") - 1, 0, HEIGHTS - 1)
-        else:
-            row = np.argmin(np.abs(centres[face][:, None] - heights[None, :]), axis=1)
-        area = np.bincount(row, size[face], len(heights))
-        total = np.array([np.bincount(row, size[face] * each[face], len(heights)) for each in values])
-        kept = area > 0
-        axis = int(np.argmax(np.abs(normals[face[0]])))
-        side = ("-" if normals[face[0], axis] < 0 else "+") + AXES[axis]
-        found.append(Face(name, side, heights[kept], series.times, total[:, kept] / area[kept]))
-    return found
-
-
+@lru_cache(maxsize=2)
 def touched_faces(results: Results) -> list[Face]:
-    """Faces of interfaces and rigid walls that soil pressed on."""
-    up = up_axis(results.dim, results.gravity)
-    faces = [face for name, series in results.surfaces.items() if len(series)
+    """Faces of interfaces and rigid walls that soil pressed on, but not those of the ground."""
+    up, ground = up_axis(results.dim, results.gravity), grounds(results)
+    faces = [face for name, series in results.surfaces.items() if len(series) and name not in ground
              for face in faces_of(name, series, results.dim, up)]
     return [face for face in faces if np.nanmax(face.pressure, initial=0) > 0]
+
+
+def grounds(results: Results) -> set[str]:
+    """Rigid walls that are terrain."""
+    return {wall["name"] for wall in results.settings("mpm.json").get("rigid_walls", [])
+            if "triangles" in wall.get("surface", {})}
+
+
+def rigid_walls(results: Results) -> set[str]:
+    return {wall["name"] for wall in results.settings("mpm.json").get("rigid_walls", []) if "name" in wall}
+
+
+def loaded_surfaces(results: Results) -> dict[str, Series]:
+    """Name -> frames of the interfaces, and of those rigid walls that stand upright and had soil on their faces: a
+    bed is none."""
+    touched = {face.surface for face in touched_faces(results)}
+    rigid, ground = rigid_walls(results), grounds(results)
+    return {name: series for name, series in results.surfaces.items() if len(series) and name not in ground
+            and (name not in rigid or name in touched)}

@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from plotting.history import displacement_columns, probe_points
 from plotting.results import Results, ResultsError, is_completed
@@ -27,7 +28,7 @@ class Curve:
             raise ResultsError(f"the run is shorter than {duration} s")
         time = np.concatenate([[start], self.time[self.time > start]])
         return float(np.trapezoid(self.at(time), time) / duration if hasattr(np, "trapezoid")
-                     else np.trapz(self.at(time), time) / duration)
+                     else trapezoid(self.at(time), time) / duration)
 
 
 def relative_rms(curve: Curve, reference: Curve) -> float:

@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from plotting.contact import contact_series, facet_vectors
+from plotting.contact import contact_series
+from plotting.faces import facet_vectors
 from plotting.results import Frame
 from studies.balances import (
     Row, acceleration_by_force, arrival, force_on_wall, impulse, last_kept, ledger_rows, mean_acceleration, soil,

@@ -80,11 +80,14 @@ def make(plan: Plan) -> Made:
     if not len(columns.cells):
         raster = plan.slide.top or (plan.slide.depth if isinstance(plan.slide.depth, Raster) else None)
         ends = None if plan.slide.outlines is None else limits_of(plan.slide.outlines)
+        deepest = float(columns.depth.max(initial=0))
         raise TerrainError(f"slide: found no mass of at least {THINNEST * plan.cell_size:g} m, a quarter of a cell, in "
                            f"the area from {place_text(plan.low)} to {place_text(plan.high)}"
                            + (f"; {raster.path}: {raster.reach()}" if raster else "")
                            + ("" if ends is None
-                              else f"; the polygon from {place_text(ends[0])} to {place_text(ends[1])}"))
+                              else f"; the polygon from {place_text(ends[0])} to {place_text(ends[1])}")
+                           + (f"; it is {deepest:.3g} m deep at most, allowed: a cell_size up to "
+                              f"{deepest / THINNEST:.3g} m" if deepest > 0 else ""))
     rim = np.zeros_like(columns.depth, dtype=bool)
     rim[[0, -1], :] = rim[:, [0, -1]] = True
     if (columns.depth[rim] >= THINNEST * plan.cell_size).any():

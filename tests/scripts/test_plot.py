@@ -374,6 +374,24 @@ class Contact(ScriptCase):
         series = contact.contact_series(Results(self.folder))["wall"]
         return contact.profile_of(series.frame(0), 2, 1), series
 
+    def test_a_wall_has_a_row_for_each_face_over_its_height(self) -> None:
+        """Faces to -x and +x and a crest of a thin wall; soil on the first alone: one row, foot at the bottom."""
+        points = np.array([[0.2, 0, 0], [0.2, 0.5, 0], [0.2, 1, 0], [0, 1, 0], [0, 0.75, 0], [0, 0, 0]])
+        cells = np.column_stack([np.arange(5), np.arange(1, 6)])
+        made_up.write_series(self.folder / "mpm", "contact_thin", [
+            (time, points, cells, {"pressure": time * np.array(pressed)})
+            for time, pressed in ((0.0, [0] * 5), (1.0, [0, 0, 9, 3, 7]), (2.0, [0, 0, 9, 5, 6]))])
+        run = Results(self.folder)
+        with mock.patch.object(contact, "save", side_effect=lambda figure, path: figure):
+            figure = contact.plot_contact(run, "thin", run.contacts["thin"], None, self.folder)
+        left, right = figure.axes[:2]
+        self.assertEqual((right.get_title(loc="left"), left.get_ylabel()),
+                         ("thin, side -x", "height above its foot [m]"))
+        last = [patch.get_data() for patch in left.patches][-1]
+        np.testing.assert_allclose(last.values, [12, 10])
+        np.testing.assert_allclose(last.edges, [0, 0.625, 1])
+        contact.plt.close(figure)
+
     def test_upright_line_is_drawn_by_height(self) -> None:
         profile, series = self.profile()
         self.assertEqual(profile.label, "y [m]")

@@ -59,6 +59,9 @@ if (button) {
 const canvas = document.querySelector("#scene canvas.flat");
 const turning = document.getElementById("space");
 found.lacking = (document.getElementById("space-lacking") || {textContent: ""}).textContent;
+const answers = document.getElementById("answers");
+found.cut = answers.scrollWidth - answers.clientWidth;
+found.stacked = [...answers.querySelectorAll("td")].some((cell) => cell.offsetLeft <= answers.offsetLeft);
 found.wide = document.documentElement.scrollWidth - window.innerWidth;
 if (turning) {
   const shot = () => {  // as soon as it is drawn: later the browser may have cleared it
@@ -155,8 +158,9 @@ class Browser(ScriptCase):
         return done.stdout, [line for line in done.stderr.splitlines()
                              if ":CONSOLE" in line and "GL Driver Message (OpenGL, Performance" not in line]
 
-    def read(self, folder, *options: str) -> tuple[str, dict]:
-        done = self.python_script("report", folder, "--out", self.folder / "report.html")
+    def read(self, folder, *options: str, words: tuple = ()) -> tuple[str, dict]:
+        """words: further ones of scripts/report; options: of the browser."""
+        done = self.python_script("report", folder, "--out", self.folder / "report.html", *words)
         self.assertEqual(done.returncode, 0, done.stderr)
         text = (self.folder / "report.html").read_text(encoding="utf-8")
         dom, console = self.look(text.replace("</body>", READER), *options)
@@ -191,6 +195,17 @@ class Browser(ScriptCase):
                 self.assertGreater(found["painted"], 0.1)
                 self.assertIs(found["moved"], True)
                 self.assertEqual(found["frame"], "0")
+
+    def test_two_runs_beside_each_other(self) -> None:
+        """On a phone the answers of both stand below each other, and nothing is cut off."""
+        one = write_kind(self.folder / "a_run_with_a_long_name", "finished")
+        other = write_kind(self.folder / "and_another_run_with_one", "cut")
+        for options, stacked in (((), False), (("--window-size=400,800", "--force-device-scale-factor=2"), True)):
+            with self.subTest(options):
+                _, found = self.read(one, *options, words=("--compare", other))
+                self.assertEqual((found["cut"], found["stacked"]), (0, stacked))
+                self.assertLessEqual(found["wide"], 0)
+                self.assertEqual(len(found["force"]), 4)
 
     def test_with_rigid_walls(self) -> None:
         _, found = self.read(write_rigid_walls(write_kind(self.folder / "walls", "finished")))

@@ -51,6 +51,10 @@ class Usage(ScriptCase):
         for option in ("--output", "--restart"):
             self.expect_refusal("a", option, words=f"{option} needs a value")
 
+    def test_results_in_the_scene(self) -> None:
+        scene = self.scene("mpm.json")
+        self.expect_refusal(scene, "--output", f"{scene}/", words="the folder of the scene itself")
+
     def test_ranks(self) -> None:
         scene = self.scene("mpm.json")
         for found in ("soil=2", "mpm=0", "2", "mpm=2,fem=x", "mpm=auto", "auto,mpm=2", "Auto"):

@@ -320,6 +320,9 @@ class Scenes(TerrainCase):
         self.refused("plan.json/time/End: unknown", "did you mean end?", time={"End": 1, "dt": 0.1})
         self.refused("exactly one of depth", slide={"polygon": [[0, 0], [1, 0], [0, 1]]})
         self.refused("found no mass", slide={"depth": 1, "polygon": [[0, 0], [1, 0], [0, 1]]})
+        flat = [[WEST + x, SOUTH + y] for x, y in ((8, 8), (16, 8), (16, 16), (8, 16))]
+        self.refused("found no mass", "it is 0.1 m deep at most, allowed: a cell_size up to 0.4 m",
+                     slide={"depth": 0.1, "polygon": flat})
         self.refused("/cell_size: found 0", cell_size=0)
         self.refused("two corners", area=[[1, 1], [0, 2]])
         self.refused("the raster reaches", barrier=None, area=[[WEST, SOUTH], [WEST + 10, SOUTH + 10]])
