@@ -91,7 +91,7 @@ def draw_forces(runs: dict[str, Results], out: Path) -> None:
         axes.plot(0.05 * np.arange(len(mean)), mean / 1e3, label=name, linewidth=1.2)
     axes.axhline(0.5 * 2000 * 8.891 * HEIGHT**2 / 1e3, color="grey", linewidth=0.8, linestyle="--",
                  label="fluid at rest, as deep as the barrier is high")
-    axes.set(xlabel="t [s]", ylabel="force on the barrier [kN/m]", ylim=(0, None))
+    axes.set(xlabel="t [s]", ylabel="force on the barrier [kN/m]", ylim=(0, 220))
     axes.legend(frameon=False)
     save(figure, out)
 
