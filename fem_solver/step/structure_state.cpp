@@ -13,6 +13,16 @@ bool StructureMotion::is_still() const {
   return std::all_of(v.begin(), v.end(), zero) && std::all_of(a.begin(), a.end(), zero);
 }
 
+StructureState reference_state(const std::vector<double>& f_ext, CellHistory history) {
+  const std::vector<double> zero(f_ext.size(), 0.0);
+  StructureState state;
+  state.motion = {.u = zero, .v = zero, .a = zero};
+  state.f_ext = f_ext;
+  state.f_int = state.f_step = state.reactions = zero;
+  state.history = std::move(history);
+  return state;
+}
+
 std::vector<std::pair<std::string, std::vector<double>*>> StructureState::nodal_vectors() {
   std::vector<std::pair<std::string, std::vector<double>*>> vectors = {
       {"u", &motion.u},    {"v", &motion.v},  {"a", &motion.a},         {"f_ext", &f_ext},

@@ -97,4 +97,7 @@ struct StructureState {
   std::vector<std::pair<std::string, std::vector<double>*>> nodal_vectors();
 };
 
+/// The reference configuration at time 0, at rest under these loads. @param f_ext  num_nodes x dim
+StructureState reference_state(const std::vector<double>& f_ext, CellHistory history);
+
 }  // namespace gabion::fem

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "common/base/require.hpp"
-#include "common/mechanics/petsc/linear_method.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/time_integration/step_force_filter.hpp"
 #include "fem_solver/step/full_steps.hpp"
@@ -28,6 +27,7 @@ StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm com
       conditions_(settings),
       equilibrium_(settings, conditions_, comm),
       linear_(comm, dim, full_step_solver(settings)),
+      stability_(settings),
       weight_(gravity_forces(settings, equilibrium_)) {
   equilibrium_.set_pattern(K_);
   linear_.set_coordinates(coordinates_of(settings));
@@ -104,13 +104,8 @@ StructureState StructureStep<dim>::initial_state() {
     return state;
   }
 
-  StructureState reference;
-  reference.motion = {.u = u, .v = u, .a = u};
-  reference.f_int = reference.f_step = u;
   const ExternalForces f = external_forces(0, {});
-  reference.f_ext = f.end;
-  reference.reactions.assign(u.size(), 0.0);
-  reference.history = equilibrium_.set_history(nullptr);
+  const StructureState reference = reference_state(f.end, equilibrium_.set_history(nullptr));
   StructureState state;
   if (nothing_changes(reference, f, conditions_.displacements(0)) &&
       shared().all(std::ranges::all_of(reference.f_ext, is_zero))) {
@@ -331,6 +326,7 @@ void StructureStep<dim>::complete(const StructureState& state_n, double dt, Stru
   }
   trial.external_work += work_of_supports(equilibrium_, conditions_, state_n, trial, dynamic_);
   trial.damping_work = equilibrium_.damping_work(state_n, trial, dt);
+  stability_.look_at(state_n, trial, equilibrium_);
 }
 
 template <int dim>
@@ -394,6 +390,7 @@ Json StructureStep<dim>::summary() const {
           {"factorisations", linear_.factorisations()},
           {"restored_matrices", restored_matrices_},
           {"krylov_fallbacks", linear_.fallbacks()},
+          {"unstable_equilibria", stability_.unstable_states()},
           {"wall_seconds", wall}};
 }
 

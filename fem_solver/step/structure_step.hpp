@@ -9,6 +9,7 @@
 #include "common/base/timer.hpp"
 #include "common/run/solver.hpp"
 #include "fem_solver/step/equilibrium.hpp"
+#include "fem_solver/step/static_stability.hpp"
 #include "fem_solver/step/structure_state.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
@@ -94,6 +95,7 @@ class StructureStep {
   BoundaryConditions<dim> conditions_;
   Equilibrium<dim> equilibrium_;
   LinearSolver<dim> linear_;
+  StaticStability<dim> stability_;
   BlockMatrix<dim> K_;
   std::optional<TangentPoint> held_tangent_;  // of the matrix in linear_, where it may serve again
   std::vector<double> weight_;                // of the structure, by node [N]

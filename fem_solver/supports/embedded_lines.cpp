@@ -2,9 +2,14 @@
 #include "fem_solver/supports/embedded_lines.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <map>
 #include <string>
+#include <utility>
 
+#include "common/mechanics/mesh/coincident_nodes.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
@@ -48,6 +53,32 @@ void refuse_conditions_on_embedded(const FemSettings<dim>& s) {
   check_places(s.dashpots);
 }
 
+/// Two bars in one place would both count. Cells and lines on the same nodes are looked at when the
+/// mesh is read.
+template <int dim>
+void refuse_doubled_lines(const FemSettings<dim>& s) {
+  const auto place = nodes_in_place<dim>(s.mesh.nodes, coincidence_distance(s.mesh));
+  const auto text = [&](std::int32_t i) {
+    const Vector<dim>& x = s.mesh.nodes[i];
+    return fmt::format("({:.6g})", fmt::join(x.data(), x.data() + dim, ", "));
+  };
+  std::map<std::pair<std::int32_t, std::int32_t>, const LineMaterial*> known;
+  for (const LineMaterial& material : s.line_materials) {
+    if (!material.embedded) continue;
+    for (const std::int32_t line : s.mesh.line_groups.at(material.group)) {
+      const auto ends = s.mesh.line(line);
+      const auto [first, added] =
+          known.try_emplace(std::minmax(place[ends[0]], place[ends[1]]), &material);
+      if (added) continue;
+      throw ConfigError(fmt::format(
+          "{}: found a line of group \"{}\" from {} to {} in the place of one of group "
+          "\"{}\"; both would have stiffness there, allowed: each bar once, with all of "
+          "its \"area\"",
+          material.where, material.group, text(ends[0]), text(ends[1]), first->second->group));
+    }
+  }
+}
+
 }  // namespace
 
 template <int dim>
@@ -55,6 +86,7 @@ void embed_lines(FemSettings<dim>& settings, MeshConnection<dim>& connection) {
   together<ConfigError>(settings.ranks.comm(), [&] {
     settings.embedded =
         find_embedded_nodes<dim>(settings.mesh, settings.line_materials, settings.ranks);
+    if (!settings.embedded.nodes.empty()) refuse_doubled_lines(settings);
   });
   if (settings.embedded.nodes.empty()) return;
   connection = connection_of(without_embedded_lines<dim>(settings.mesh, settings.line_materials));

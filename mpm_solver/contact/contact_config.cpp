@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/contact/contact_config.hpp"
 
+#include <fmt/format.h>
+
 #include <map>
 
 #include "mpm_solver/config_checks.hpp"
@@ -56,6 +58,27 @@ FacetSettings read_facets(ConfigReader& in, ContactMode mode, double resting_fac
   return facets;
 }
 
+// The keys of friction that depends on the speed. @param friction  of rest
+FrictionFall read_weakening(ConfigReader& in, double friction) {
+  const bool falls = in.has("friction_at_speed");
+  for (const char* key : {"friction_at_speed", "weakening_speed", "turbulent_drag"}) {
+    if (in.has(key) && !(in.has("friction") && in.choice("method") == "facets")) {
+      in.fail(key, "allowed only with \"friction\" and \"method\": \"facets\"");
+    }
+  }
+  if (in.has("weakening_speed") && !falls) {
+    in.fail("weakening_speed", "allowed only with \"friction_at_speed\"");
+  }
+  if (!falls) return {};
+  const double least = in.number("friction_at_speed");
+  if (least > friction) {
+    in.fail(
+        "friction_at_speed",
+        fmt::format("found {}, allowed: at most the \"friction\" of rest, {}", least, friction));
+  }
+  return {.fall = friction - least, .speed = in.number("weakening_speed")};
+}
+
 // What interfaces and rigid walls have in common.
 template <int dim>
 ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double penalty_unit,
@@ -74,9 +97,7 @@ ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double 
     }
     boundary.friction = in.number("friction");
   }
-  if (in.has("turbulent_drag") && !(in.has("friction") && in.choice("method") == "facets")) {
-    in.fail("turbulent_drag", "allowed only with \"friction\" and \"method\": \"facets\"");
-  }
+  boundary.weakening = read_weakening(in, boundary.friction);
   if (in.choice("method") == "facets") {
     boundary.drained = in.boolean("drained");
     boundary.method = read_facets(in, boundary.mode, resting_factor);

@@ -33,6 +33,34 @@ Key turbulent_drag_key() {
       .with("friction");
 }
 
+Key friction_key() {
+  return key::number("friction", "",
+                     "Coefficient of friction; none: it sticks, `facets` with a coefficient of "
+                     "100, so that nothing jumps where soil comes off.")
+      .in(non_negative())
+      .or_none()
+      .when("mode", {"contact"});
+}
+
+Key friction_at_speed_key() {
+  return key::number("friction_at_speed", "",
+                     "Coefficient that `friction` falls to as soil slides faster, at most "
+                     "`friction`; none: it does not depend on the speed.")
+      .in(non_negative())
+      .or_none()
+      .when("mode", {"contact"})
+      .when("method", {"facets"})
+      .with("friction");
+}
+
+Key weakening_speed_key() {
+  return key::number("weakening_speed", "m/s",
+                     "Speed v_c of sliding at which 1 - 1/e of that fall is reached: "
+                     "`friction_at_speed` + (`friction` - `friction_at_speed`) exp(-v / v_c).")
+      .in(positive())
+      .with("friction_at_speed");
+}
+
 Key drained_key() {
   return key::boolean(
              "drained",
@@ -78,13 +106,9 @@ std::vector<Key> boundary_keys() {
           .or_computed("10; 0.5 with `boundary_points`")
           .without("penalty"),
       resting_factor_key(),
-      key::number(
-          "friction", "",
-          "Coefficient of friction; none: it sticks, `facets` with a coefficient of 100, so "
-          "that nothing jumps where soil comes off.")
-          .in(non_negative())
-          .or_none()
-          .when("mode", {"contact"}),
+      friction_key(),
+      friction_at_speed_key(),
+      weakening_speed_key(),
       turbulent_drag_key(),
       key::number("tangential_factor", "",
                   "Tangential stiffness times the mean cell size over the P-wave modulus of the "

@@ -41,6 +41,16 @@ ContactLaw::Slide ContactLaw::slide_beyond(double excess) const {
   return {.slip = 2 * excess / (k + root), .elastic = 1 - k / root};
 }
 
+double ContactLaw::friction_now() const {
+  if (weakening.fall == 0) return friction;
+  return friction + weakening.fall * std::expm1(-speed / weakening.speed);
+}
+
+double ContactLaw::friction_slope() const {
+  if (weakening.fall == 0) return 0;
+  return -weakening.fall / weakening.speed * std::exp(-speed / weakening.speed);
+}
+
 template <int dim>
 ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* slope) const {
   ContactTraction<dim> result;
@@ -57,7 +67,7 @@ ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* s
     slope->diagonal().setConstant(tangential_penalty);
     (*slope)(0, 0) = normal_slope;
   }
-  const double mu = mode == ContactMode::slip ? 0 : friction;
+  const double mu = mode == ContactMode::slip ? 0 : friction_now();
   if (mode == ContactMode::fixed || mu < 0) return result;
 
   const bool grains_touch = t[0] > pore_pressure;
@@ -71,6 +81,8 @@ ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* s
     limit = size - tangential_penalty * slide.slip;
     result.elastic = slide.elastic;
   }
+  if (grains_touch)
+    result.by_speed = (1 - result.elastic) * friction_slope() * (t[0] - pore_pressure);
   Vector<dim> direction = t / size;
   direction[0] = 0;
   t.template tail<dim - 1>() = limit * direction.template tail<dim - 1>();

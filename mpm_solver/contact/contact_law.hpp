@@ -19,7 +19,16 @@ struct ContactTraction {
   Vector<dim> t = Vector<dim>::Zero();  ///< on the soil, normal first [Pa]
   bool closed = false;
   bool sliding = false;  ///< the friction limit is reached
-  double elastic = 1;  ///< d |t_t| / d |trial t_t|: 1 as long as it sticks, 0 of Coulomb's sliding
+  double elastic = 1;   ///< d |t_t| / d |trial t_t|: 1 as long as it sticks, 0 of Coulomb's sliding
+  double by_speed = 0;  ///< d |t_t| / d speed, <= 0: friction that falls with it [Pa s/m]
+};
+
+/// Coefficient of friction that falls with the speed of sliding from that of rest:
+///
+///     mu(v) = friction - fall (1 - exp(-v / speed))
+struct FrictionFall {
+  double fall = 0;   ///< from rest to great speed, >= 0 and at most the friction; 0: none
+  double speed = 0;  ///< with which 1 - 1/e of it is reached, > 0 [m/s]
 };
 
 /// Normal traction as a function of the penetration d = -g_n.
@@ -32,10 +41,12 @@ enum class NormalLaw {
 /// and the turbulent drag of Voellmy:
 ///
 ///     t_n = penalty d or penalty d^2 ,  t_t = -tangential_penalty g_t ,
-///     |t_t| <= friction <t_n - p> + drag v^2 ,  p that of pore water at the surface
+///     |t_t| <= mu <t_n - p> + drag v^2 ,  p that of pore water at the surface
 ///
 /// with the speed v = s / time of the slip s in the step, which is what the limit takes off g_t. It
-/// is the root of a quadratic equation and has the direction of t_t: it takes energy.
+/// is the root of a quadratic equation and has the direction of t_t: it takes energy. mu is the
+/// friction; with a fall it depends on the speed of the soil along the surface, elastic or not, so
+/// that the springs between them have no part in it and the traction has one value.
 /// @see Voellmy (1955); drag = rho g / xi with his coefficient xi [m/s^2]
 struct ContactLaw {
   ContactMode mode = ContactMode::contact;
@@ -47,6 +58,8 @@ struct ContactLaw {
   double linear_from = std::numeric_limits<double>::infinity();
   double drag = 0;           ///< [Pa s^2/m^2], >= 0
   double time = 0;           ///< in which the slip came about, with a drag [s]; 0: none can
+  FrictionFall weakening{};  ///< of the friction
+  double speed = 0;          ///< of the soil along the surface in this time, with a fall [m/s]
   double pore_pressure = 0;  ///< of the traction, what the water bears, without friction [Pa]
 
   /// Whether sliding makes the stiffness unsymmetric.
@@ -75,6 +88,9 @@ struct ContactLaw {
     double elastic = 0;  // d |t_t| / d excess
   };
   Slide slide_beyond(double excess) const;
+  // Of the friction and its fall; d/d speed.
+  double friction_now() const;
+  double friction_slope() const;
 };
 
 }  // namespace gabion::mpm

@@ -53,9 +53,10 @@ struct ContactSettings {
   std::string where;  ///< place of the surface in the config, for messages
   ContactSurface<dim> surface;
   ContactMode mode = ContactMode::contact;
-  double friction = -1;  ///< as in ContactLaw
-  double drag = 0;       ///< as in ContactLaw, of facets [Pa s^2/m^2]
-  bool drained = false;  ///< pore water of soil that touches it leaves as into air
+  double friction = -1;      ///< as in ContactLaw
+  double drag = 0;           ///< as in ContactLaw, of facets [Pa s^2/m^2]
+  FrictionFall weakening{};  ///< of the friction, of facets
+  bool drained = false;      ///< pore water of soil that touches it leaves as into air
   std::variant<BoundaryPointSettings, FacetSettings> method;
 };
 

@@ -20,7 +20,8 @@ ContactLaw FacetContact<dim>::law_of(const Candidate& c, std::int32_t owner, dou
                  .tangential_penalty = part * method.tangential_factor * M / h,
                  .normal = NormalLaw::quadratic,
                  .drag = member.drag,
-                 .time = search_.soil() ? surface_.share() * search_.soil()->dt : 0};
+                 .time = search_.soil() ? surface_.share() * search_.soil()->dt : 0,
+                 .weakening = member.weakening};
   const double k = method.resting_factor;
   if (c.took_weight && k * k * M > 4 * c.weight * method.penalty_factor) {
     law.penalty = k * k * M / (4 * c.weight) * M / (h * h);
@@ -35,6 +36,15 @@ double FacetContact<dim>::pore_pressure_at(const ContactPoint& contact) const {
   if (!soil || soil->pore_pressures.empty() || members_[contact.owner].drained) return 0;
   const double below = contact.radius * contact.feature.normal.dot(soil->water_weight);
   return std::max(0.0, candidate(contact).pore_pressure - below);
+}
+
+template <int dim>
+ContactLaw FacetContact<dim>::law_now(const ContactPoint& contact) const {
+  ContactLaw law = law_of(candidate(contact), contact.owner, contact.part);
+  law.pore_pressure = pore_pressure_at(contact);
+  if (law.weakening.fall > 0 && law.time > 0)
+    law.speed = tangential<dim>(contact.relative, contact.feature.normal).norm() / law.time;
+  return law;
 }
 
 // A contact that goes on has slipped since it began; a new one since its path met the surface.
@@ -221,6 +231,18 @@ Vector<dim> FacetContact<dim>::gap_slope(const ContactPoint& contact, std::int32
   return weights_of(contact)[value] * contact.feature.normal;
 }
 
+// Minus the change of the traction with the path along the surface, as far as its speed changes the
+// friction.
+template <int dim>
+Matrix<dim> FacetContact<dim>::slope_by_speed(const ContactPoint& contact) const {
+  const Vector<dim>& n = contact.feature.normal;
+  const Vector<dim> path = tangential<dim>(contact.relative, n);
+  const Vector<dim> pull = tangential<dim>(contact.slip, n);
+  const double time = law_of(candidate(contact), contact.owner, contact.part).time;
+  if (!(path.norm() > 0) || !(time > 0)) return Matrix<dim>::Zero();
+  return contact.traction.by_speed / time * pull.normalized() * path.normalized().transpose();
+}
+
 template <int dim>
 void FacetContact<dim>::add_stiffness(const ContactPoint& contact, const Matrix<dim>& slope,
                                       BlockMatrix<dim>& K) const {
@@ -235,6 +257,9 @@ void FacetContact<dim>::add_stiffness(const ContactPoint& contact, const Matrix<
   const Vector<dim> by_part = force_weight_ / contact.part *
                                   (contact.traction.elastic * tangential<dim>(contact.force, n)) -
                               by_slip * contact.slip_part_slope;
+  const bool weakens = contact.traction.by_speed != 0;
+  Matrix<dim> by_speed = Matrix<dim>::Zero();
+  if (weakens) by_speed = scale * slope_by_speed(contact);
   const Vector<dim> by_begin = contact.slip_share_slope * (by_slip * contact.relative);
   for (std::int32_t j = 0; j < c.num_values; ++j) {
     Vector<dim> depth_slope = Vector<dim>::Zero(), part_slope = Vector<dim>::Zero();
@@ -243,9 +268,10 @@ void FacetContact<dim>::add_stiffness(const ContactPoint& contact, const Matrix<
       depth_slope += contact.shares[l] * other;
       part_slope += contact.part_slopes[l] * other;
     }
-    const Matrix<dim> column =
-        contact.slip_share * w[j] * by_slip + by_depth * depth_slope.transpose() +
-        by_part * part_slope.transpose() + by_begin * gap_slope(contact, j).transpose();
+    Matrix<dim> column = contact.slip_share * w[j] * by_slip + by_depth * depth_slope.transpose() +
+                         by_part * part_slope.transpose() +
+                         by_begin * gap_slope(contact, j).transpose();
+    if (weakens) column += w[j] * by_speed;
     for (std::int32_t i = 0; i < c.num_values; ++i) {
       K.add_block(nodes[i], nodes[j], w[i] * column);
     }
@@ -269,8 +295,7 @@ void FacetContact<dim>::add_forces(std::span<const double> du, std::span<double>
       const Candidate& c = candidate(contact);
       Vector<dim> gap = contact.frame.transpose() * contact.slip;
       gap[0] = -contact.depth;
-      ContactLaw law = law_of(c, owner, contact.part);
-      law.pore_pressure = pore_pressure_at(contact);
+      const ContactLaw law = law_now(contact);
       contact.traction = law.template traction<dim>(gap, K ? &slope : nullptr);
       contact.force = contact.area * (contact.frame * contact.traction.t);
       search_.scatter(c, weights_of(contact), force_weight_ * contact.force, r);

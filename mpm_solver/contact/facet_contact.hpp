@@ -142,6 +142,7 @@ class FacetContact final : public Contact<dim> {
   struct Member {
     ContactMode mode = ContactMode::contact;
     double friction = -1, drag = 0;
+    FrictionFall weakening{};
     bool drained = false;
     FacetSettings method;
     std::vector<ContactMark<dim>> marks;  // of the accepted step
@@ -163,6 +164,8 @@ class FacetContact final : public Contact<dim> {
 
   // The law at a contact point.
   ContactLaw law_of(const Candidate& c, std::int32_t owner, double part) const;
+  // The same in the step under way: with the pore pressure and the speed along the surface.
+  ContactLaw law_now(const ContactPoint& contact) const;
   // The pore pressure at the surface: none where it is drained, else that without flow along its
   // normal.
   double pore_pressure_at(const ContactPoint& contact) const;
@@ -175,6 +178,7 @@ class FacetContact final : public Contact<dim> {
   void share_depths(const Candidate& c, std::size_t first);
   void share_in_corners(const Candidate& c, std::size_t first);
   Vector<dim> gap_slope(const ContactPoint& contact, std::int32_t value) const;
+  Matrix<dim> slope_by_speed(const ContactPoint& contact) const;
   void add_stiffness(const ContactPoint& contact, const Matrix<dim>& slope,
                      BlockMatrix<dim>& K) const;
   void add_old_forces(std::int32_t owner, double share, std::span<double> field) const;

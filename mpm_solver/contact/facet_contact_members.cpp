@@ -16,6 +16,7 @@ FacetContact<dim>::FacetContact(const std::vector<const ContactSettings<dim>*>& 
     member.friction = settings->friction;
     member.drained = settings->drained;
     member.drag = settings->drag;
+    member.weakening = settings->weakening;
     member.method = std::get<FacetSettings>(settings->method);
   }
   order_contacts();

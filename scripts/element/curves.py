@@ -77,15 +77,21 @@ class LabTable:
 def read_laboratory(path: Path) -> LabTable:
     """A CSV whose head names quantity and unit, such as eps_a[%],q[kPa]; lines that start with # are remarks.
 
-    @raises ElementError  an unknown quantity or unit, no number, fewer than three rows
+    @raises ElementError  an unknown quantity or unit, no number, fewer than three rows, a row of another length
     """
     try:
-        lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
-    except OSError as error:
-        raise ElementError(f"{path}: {error.strerror}") from error
+        lines = [line for line in path.read_text(encoding="utf-8-sig").splitlines()
+                 if line.strip() and not line.startswith("#")]
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not UTF-8"
+        raise ElementError(f"{path}: {reason}, allowed: a CSV file") from error
     rows = list(csv.reader(lines))
     if len(rows) < 4:
         raise ElementError(f"{path}: found {max(len(rows) - 1, 0)} rows, allowed: a head and at least 3 rows")
+    for line, row in enumerate(rows[1:], 1):
+        if len(row) != len(rows[0]):
+            raise ElementError(f"{path}: row {line}: found {len(row)} values, allowed: {len(rows[0])}, as the head has; "
+                               "decimals with a point, not a comma")
     columns: dict[str, np.ndarray] = {}
     for k, head in enumerate(rows[0]):
         name, factor = _quantity(path, head)

@@ -30,12 +30,20 @@ class SurfaceError:
 
 
 def read_reference(path: Path) -> dict[str, np.ndarray]:
-    """Series name -> num_points x 2 (x, height) [m]. Lines that start with # are remarks."""
+    """Series name -> num_points x 2 (x, height) [m]. Lines that start with # are remarks.
+
+    @raises ResultsError  no such file, or a row that is not a name and two numbers
+    """
     series: dict[str, list[tuple[float, float]]] = {}
-    with path.open(newline="", encoding="utf-8") as file:
-        for row in csv.reader(line for line in file if not line.startswith("#")):
-            if row and row[0] != "series":
-                series.setdefault(row[0], []).append((float(row[1]), float(row[2])))
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            for row in csv.reader(line for line in file if not line.startswith("#")):
+                if row and row[0] != "series":
+                    series.setdefault(row[0], []).append((float(row[1]), float(row[2])))
+    except OSError as error:
+        raise ResultsError(f"{path}: {error.strerror}") from None
+    except (ValueError, IndexError):
+        raise ResultsError(f"{path}: found a row {row}, allowed: a series' name, x and height [m]") from None
     return {name: np.array(points) for name, points in series.items()}
 
 

@@ -41,7 +41,10 @@ def read_place(scene: Path, sections: list[str]) -> Place:
         low, high = (np.array(corner, dtype=float) for corner in values["area"])
         origin = np.array(values["origin"], dtype=float)
         slope = read_raster(scene / values["slope"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except OSError as error:
+        raise TerrainError(f"{error.filename or path}: {error.strerror}, allowed: the folder of a scene that "
+                           "scripts/terrain wrote") from error
+    except (ValueError, KeyError, TypeError) as error:
         raise TerrainError(f"{path}: {error!r}, allowed: the file that scripts/terrain writes into the folder of a "
                            "scene") from error
     slope.projection = slope.projection or values.get("projection")

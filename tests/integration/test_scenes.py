@@ -72,5 +72,20 @@ class Fluids(Laid):
         self.assertGreater(impulses[0], 1.5 * impulses[1])
 
 
+class SensitiveClay(IntegrationCase):
+    """The bank rests on what holds it, and fails as soon as that is gone; the lost support takes no energy along."""
+
+    def test_release(self) -> None:
+        self.scene = CONFIGS / "sensitive_clay"
+        self.run_launch("--set", "coupler.json:/time/end=0.4", "--set", "coupler.json:/output/interval=0.1", code=0)
+        rows = [{name: float(value) for name, value in row.items()} for row in read_table(self.out / "probes.csv")]
+        energies = {round(row["time"], 6): row["soil.kinetic_energy"] for row in rows}
+        weight = rows[-1]["soil.mass"] * 9.81
+        self.assertLess(energies[0.1], 1e-6 * weight)  # as if all of it had fallen by a thousandth of a millimetre
+        self.assertGreater(energies[0.4], 100 * energies[0.1])
+        self.assertGreater(rows[-1]["soil.plastic_dissipation"], 0.1 * rows[-1]["soil.gravity_work"])
+        self.assertLess(rows[-1]["soil.created_energy"], 1e-5 * rows[-1]["soil.gravity_work"])
+
+
 if __name__ == "__main__":
     launch.main()

@@ -146,10 +146,11 @@ class WrongPlans(ElementCase):
                            ("eps_a[-],eps_a[%]\n0,0\n1,1\n2,2\n", "twice"),
                            ("eps_a[-],q[Pa]\n0,0\n1,x\n2,2\n", "row 2"),
                            ("eps_a[-],q[Pa]\n0,0\n1,nan\n2,2\n", "finite"), ("eps_a[-],q[Pa]\n0,0\n1\n2,2\n", "row 2"),
+                           ("eps_a[-],q[Pa]\n0,0\n0,1,1\n2,2\n", "row 2: found 3 values, allowed: 2"),
                            ("eps_a[-],q[Pa]\n0,0\n", "at least 3 rows"), ("", "at least 3 rows")):
             with self.assertRaisesRegex(ElementError, part):
                 read_laboratory(self.write("bad.csv", text))
-        table = read_laboratory(self.write("lab.csv", "# made\neps_a[%], q [MPa]\n0,0\n1,0.1\n2,0.2\n"))
+        table = read_laboratory(self.write("lab.csv", "\ufeff# made\neps_a[%], q [MPa]\n0,0\n1,0.1\n2,0.2\n"))
         np.testing.assert_allclose(table.columns["eps_a"], [0, 0.01, 0.02])
         np.testing.assert_allclose(table.columns["q"], [0, 1e5, 2e5])
 

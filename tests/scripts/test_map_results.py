@@ -229,6 +229,9 @@ class ResultsOnTheMap(MapCase):
             ended = self.python_script("map", self.run, self.folder / "scene")
             self.assertEqual(ended.returncode, 2)
             self.assertIn(words, ended.stderr)
+        missing = self.python_script("map", self.run, self.folder)
+        self.assertEqual(missing.returncode, 2)
+        self.assertIn("map.json: No such file or directory, allowed", missing.stderr)
 
     def test_a_very_large_raster_is_cut(self) -> None:
         large = Raster(Path("a"), 0.5, 0.5, 1.0, np.broadcast_to(0.0, (3000, 3000)), "text")

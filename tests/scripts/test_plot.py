@@ -113,6 +113,14 @@ class Column(ScriptCase):
         self.assertAlmostEqual(surface[0, 1], 0.1, delta=0.002)
         self.assertTrue((np.diff(surface[:, 0]) > 0).all())
 
+    def test_reference_that_cannot_be_read(self) -> None:
+        with self.assertRaisesRegex(ResultsError, "nowhere.csv: No such file"):
+            read_reference(self.folder / "nowhere.csv")
+        table = self.folder / "bad.csv"
+        table.write_text("series,x,height\nexp_surface,0.1\n")
+        with self.assertRaisesRegex(ResultsError, r"bad.csv: found a row \['exp_surface', '0.1'\]"):
+            read_reference(table)
+
 
 class Space(ScriptCase):
     """The plane in which a scene in space is drawn."""

@@ -174,7 +174,13 @@ PetscSolver::Result PetscSolver::solve(PetscOperator& matrix, Vec b, Vec x, doub
     result = run(b, x, tolerance);
     result.iterations += lost;
   }
-  if (method_.direct()) return result;
+  if (method_.direct()) {
+    if (!result.converged) {  // MUMPS does not bear a second solution with factors that failed
+      is_set_up_ = false;
+      new_pattern_ = true;
+    }
+    return result;
+  }
   const double digits = std::max(1.0, -std::log10(tolerance));
   if (first_rate_ < 0) first_rate_ = result.iterations / digits;
   if (result.iterations > growth * first_rate_ * digits + few_iterations) may_keep_ = false;

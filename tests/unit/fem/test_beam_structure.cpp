@@ -160,6 +160,26 @@ TEST(BeamStructure, path_independent) {
   }
 }
 
+/// States of rest in which the structure would not stay, under a share of Euler's load.
+template <int dim>
+int unstable_columns(double share) {
+  const TemporaryMesh mesh(chain(L, 8).file());
+  const double I = dim == 2 ? b * h * h * h / 12 : h * b * b * b / 12;  // of the weak axis
+  const double P = pi * pi * E * I / (4 * L * L);
+  Json json = cantilever_of_beams(dim, mesh.path(), material(dim), L);
+  json["loads"] = {rising_load(vector(dim, -share * P, 0))};
+  const auto solver = fem_solver<dim>(json);
+  for (int n = 1; n <= 2; ++n) advance(*solver, n, 0.5);
+  return solver->summary().at("unstable_equilibria");
+}
+
+TEST(BeamStructure, statics_count_states_beyond_buckling) {
+  EXPECT_EQ(unstable_columns<2>(0.95), 0);
+  EXPECT_EQ(unstable_columns<2>(1.05), 1);
+  EXPECT_EQ(unstable_columns<3>(0.95), 0);
+  EXPECT_EQ(unstable_columns<3>(1.05), 1);
+}
+
 TEST(BeamStructure, restart_gives_the_same_bits) {
   const TemporaryMesh mesh(chain(L, 6).file());
   Json json = swing(3, mesh.path());

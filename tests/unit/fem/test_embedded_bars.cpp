@@ -287,6 +287,25 @@ TEST(EmbeddedBars, states_follow_the_hosts) {
   EXPECT_EQ(advance(*pulled, 2, 1), 0);
 }
 
+/// Bars that stand twice, on nodes of their own each time, would count twice.
+TEST(EmbeddedBars, bars_in_one_place_are_refused) {
+  GmshText file = strip_with_bar(0.25, 0.1, 5, 0.3, 0.04);
+  const GmshText other = strip_with_bar(0.25, 0.1, 5, 0.3, 0.04);
+  const int first = static_cast<int>(file.nodes.size());
+  file.nodes.insert(file.nodes.end(), other.nodes.end() - 6, other.nodes.end());
+  file.groups.push_back({1, 6, "more"});
+  file.entities.push_back({1, 4, {6}});
+  std::vector<std::vector<int>> lines;
+  for (int i = 5; i > 0; --i) lines.push_back({first + i + 1, first + i});
+  file.blocks.push_back({1, 4, 1, lines});
+  const TemporaryMesh mesh(file);
+  Json json = with_steel(pulled_strip(mesh.path(), 5, 4e-4), true);
+  json["materials"].push_back(json["materials"].back());
+  json["materials"].back()["group"] = "more";
+  expect_error<ConfigError>([&] { fem_solver<2>(json); },
+                            {"/materials/2/group", "\"more\"", "\"steel\"", "(0.25, 0.04)"});
+}
+
 TEST(EmbeddedBars, restart_gives_the_same_bits_and_conditions_are_refused) {
   GmshText file = strip_with_bar(0.25, 0.1, 5, 0.3, 0.04);
   const TemporaryMesh mesh(file);

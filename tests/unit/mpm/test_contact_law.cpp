@@ -106,6 +106,53 @@ TEST(ContactLaw, slope_with_drag_is_the_derivative_of_traction) {
   }
 }
 
+/// mu(v) = 0.1 + 0.2 exp(-v / 0.5) of a speed that is given.
+ContactLaw weakening_law(double speed, double drag) {
+  return {.friction = 0.3,
+          .penalty = 2e5,
+          .tangential_penalty = 1e5,
+          .normal = NormalLaw::quadratic,
+          .drag = drag,
+          .time = 1e-3,
+          .weakening = {.fall = 0.2, .speed = 0.5},
+          .speed = speed,
+          .pore_pressure = 3};
+}
+
+TEST(ContactLaw, friction_falls_with_the_speed) {
+  const Vector<3> gap(-0.01, 0.02, -0.03);
+  const double pressed = 2e5 * 1e-4 - 3;  // what the grains bear
+  for (const double speed : {0.0, 0.1, 0.5, 4.0, 1e9}) {
+    const auto found = weakening_law(speed, 0).traction<3>(gap, nullptr);
+    const double mu = 0.1 + 0.2 * std::exp(-speed / 0.5);
+    EXPECT_TRUE(found.sliding);
+    EXPECT_NEAR(found.t.tail<2>().norm(), mu * pressed, 1e-13 * pressed) << speed;
+  }
+  ContactLaw coulomb = weakening_law(4, 0);
+  coulomb.weakening = {};
+  ContactLaw at_rest = coulomb;
+  at_rest.speed = 0;
+  EXPECT_EQ(coulomb.traction<3>(gap, nullptr).t, at_rest.traction<3>(gap, nullptr).t);
+  EXPECT_EQ(coulomb.traction<3>(gap, nullptr).by_speed, 0);
+}
+
+/// It has no part in what sticks, and none where water bears all of the pressure.
+TEST(ContactLaw, slope_over_the_speed_is_the_derivative_of_traction) {
+  const Vector<3> gap(-0.01, 0.02, -0.03);
+  for (const double drag : {0.0, 0.04}) {
+    for (const double speed : {0.1, 0.8}) {
+      const auto size = [&](double v) {
+        return weakening_law(v, drag).traction<3>(gap, nullptr).t.tail<2>().norm();
+      };
+      const double found = weakening_law(speed, drag).traction<3>(gap, nullptr).by_speed;
+      EXPECT_LT(found, 0);
+      EXPECT_NEAR(found, (size(speed + 1e-5) - size(speed - 1e-5)) / 2e-5, 1e-6 * -found);
+    }
+  }
+  EXPECT_EQ(weakening_law(1, 0).traction<3>({-0.01, 1e-6, 0}, nullptr).by_speed, 0);
+  EXPECT_EQ(weakening_law(1, 0).traction<3>({-1e-4, 1e-6, 0}, nullptr).by_speed, 0);
+}
+
 TEST(ContactLaw, nothing_slides_with_drag_in_no_time) {
   ContactLaw law{.friction = 0.3, .penalty = 2e5, .tangential_penalty = 1e5, .drag = 40};
   const Vector<2> gap(-0.01, 0.02);

@@ -133,6 +133,19 @@ TEST(FacetContact, stiffness_is_the_derivative_of_the_force) {
   });
 }
 
+TEST(FacetContact, stiffness_of_friction_that_falls_with_the_speed) {
+  for_each_basis([]<int dim>(CellType type, mpm::Basis basis) {
+    for (const double drag : {0.0, 0.3}) {
+      ContactSettings<dim> settings = floor_below<dim>(-0.005, 0.3);
+      settings.weakening = {.fall = 0.25, .speed = 40};
+      settings.drag = drag;
+      Met<dim> met(settings, type, basis, false);
+      check_stiffness(met, pressed_down(met, 0.05));
+      EXPECT_GT(met.contact->counts().sliding, 0);
+    }
+  });
+}
+
 /// At the pressure of the weight, 100 Pa, the law goes over into its tangent: at a depth of
 /// 2 h 100 / (12 M) = 5.6e-4 m, far less than here.
 TEST(FacetContact, stiffness_of_soil_that_took_its_weight) {

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "common/mechanics/petsc/eigenvalue_signs.hpp"
 #include "common/mechanics/petsc/linear_solver.hpp"
 #include "common/mechanics/petsc/petsc_session.hpp"
 #include "tests/support/expect_error.hpp"
@@ -362,8 +363,10 @@ TEST(LinearSolver, singular_matrix_throws) {
     LinearSolver<2> solver(test::comm(), 2, settings_of(method, "auto"));
     solver.set_matrix(K);
     SCOPED_TRACE(method);
-    expect_error<ConvergenceError>([&] { solve(solver, b); },
-                                   {"failed with 4 unknowns", "the matrix is singular"});
+    for (int k = 0; k < 2; ++k) {
+      expect_error<ConvergenceError>([&] { solve(solver, b); },
+                                     {"failed with 4 unknowns", "the matrix is singular"});
+    }
     const auto good = random_system<2>(20, 30, 3, 0, 1);
     const auto good_K = assembled_share(good);
     solver.set_matrix(good_K);
@@ -415,6 +418,31 @@ TEST(LinearSolver, looser_tolerance_saves_iterations) {
 TEST(PetscSession, errors_carry_petscs_text) {
   expect_error<Error>([] { check_petsc(63, "KSPSolve"); },
                       {"PETSc: KSPSolve failed with code 63: Argument out of range"});
+}
+
+/// Against all eigenvalues, of matrices with negative ones and of one that is not symmetric.
+template <int block_size>
+void expect_counted(double skew, int negative_cells) {
+  auto system = random_system<block_size>(12, 15, 4, skew, 5);
+  for (int c = 0; c < negative_cells; ++c) {
+    for (double& value : system.cells[c]) value = -value;
+  }
+  const auto K = assembled(system);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(
+      Eigen::MatrixXd(test::to_dense(K).template selfadjointView<Eigen::Upper>()));
+  const auto negative = (modes.eigenvalues().array() < 0).count();
+  if (negative_cells == 15) {
+    EXPECT_EQ(negative, K.num_nodes() * block_size);
+  }
+  EXPECT_EQ(count_negative_eigenvalues(K), negative) << negative_cells << " cells";
+}
+
+TEST(EigenvalueSigns, equal_those_of_all_eigenvalues) {
+  for (const int cells : {0, 1, 6, 15}) {
+    expect_counted<2>(0, cells);
+    expect_counted<3>(0, cells);
+    expect_counted<3>(0.1, cells);
+  }
 }
 
 }  // namespace

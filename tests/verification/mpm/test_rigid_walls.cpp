@@ -153,6 +153,90 @@ TEST(RigidWalls, block_on_an_incline_with_turbulent_drag) {
   }
 }
 
+/// The same with friction mu_r + (mu_s - mu_r) exp(-v / v_c), v_0 at the start:
+///
+///     exp(v / v_c) = (exp(v_0 / v_c) + b / a) exp(-a t / v_c) - b / a ,
+///     a = g (mu_r cos - sin) ,  b = g (mu_s - mu_r) cos
+///
+/// as long as v > 0. On a slope between the two angles of friction the block stops from speeds
+/// below v_c log(-b / a), and is lost from above.
+struct Weakening {
+  double angle, speed, v_c;
+  static constexpr double at_rest = 0.5, least = 0.15, g = 9.81;
+  double a() const { return g * (least * std::cos(angle) - std::sin(angle)); }
+  double b() const { return g * (at_rest - least) * std::cos(angle); }
+  double after(double t) const {
+    const double share = b() / a();
+    const double y = (std::exp(speed / v_c) + share) * std::exp(-a() * t / v_c) - share;
+    return y > 1 ? v_c * std::log(y) : 0;
+  }
+};
+
+std::unique_ptr<Solver> weakening_block(const Weakening& w, const std::string& scheme) {
+  constexpr double h = 0.5;
+  const Json incline = {{"name", "incline"},
+                        {"surface", {{"polyline", {{14, h}, {0, h}}}, {"spacing", h}}},
+                        {"friction", Weakening::at_rest},
+                        {"friction_at_speed", Weakening::least},
+                        {"weakening_speed", w.v_c}};
+  Json block = body("block", box({0.5, h}, {2.5, h + 1}, {4, 2}, "quad4"), 4,
+                    elastic_soil("neo_hookean", 1e8, 0.2, density), {w.speed, 0});
+  return make_mpm({{"dimension", 2},
+                   {"grid", box({0, 0}, {14, 2.5}, {28, 5}, "quad4")},
+                   {"gravity", {w.g * std::sin(w.angle), -w.g * std::cos(w.angle)}},
+                   {"bodies", {block}},
+                   {"time_integration", {{"scheme", scheme}}},
+                   {"rigid_walls", {incline}}});
+}
+
+TEST(RigidWalls, block_whose_friction_falls_with_its_speed) {
+  const Weakening level{0, 2, 0.6}, slow{M_PI / 9, 0.35, 1}, fast{M_PI / 9, 0.7, 1};
+  const std::pair<const Weakening*, double> cases[] = {{&level, 0.6}, {&slow, 0.4}, {&fast, 1.5}};
+  for (const std::string scheme : {"bossak", "explicit"}) {
+    for (const auto& [w, time] : cases) {
+      const auto solver = weakening_block(*w, scheme);
+      const int steps = static_cast<int>(std::lround(time / 0.01));
+      run_steps(*solver, 0.01, steps);
+      verify(
+          {.id = "VA14",
+           .what = fmt::format("block of {} m/s on an incline of {:.0f} degrees, friction 0.5 to "
+                               "0.15, v_c {} m/s: speed after {} s, {}",
+                               w->speed, w->angle * 180 / M_PI, w->v_c, time, scheme),
+           .exact = w->after(time),
+           .computed = probe(*solver, "momentum_x") / probe(*solver, "mass"),
+           .bound = w == &slow ? 0.02 : 0.005,
+           .unit = "m/s"});
+      // Less than the landing makes of Coulomb's friction, too.
+      EXPECT_LT(probe(*solver, "created_energy"), 1e-4 * 1000 * w->speed * w->speed);
+    }
+  }
+}
+
+/// Where it stops: the way is the integral of the speed above, here by Simpson's rule.
+TEST(RigidWalls, block_that_stops_as_its_friction_grows) {
+  const Weakening level{0, 2, 0.6};
+  double exact = 0;
+  for (int k = 0; k <= 2000; ++k) {
+    exact += (k % 2 ? 4 : k % 2000 ? 2 : 1) * level.after(k * 5e-4) * 5e-4 / 3;
+  }
+  const auto solver = weakening_block(level, "bossak");
+  double way = 0, before = level.speed;
+  for (int n = 1; n <= 150; ++n) {
+    run_steps(*solver, 0.01, 1, n);
+    const double speed = probe(*solver, "momentum_x") / probe(*solver, "mass");
+    way += 0.005 * (speed + before);
+    before = speed;
+  }
+  verify({.id = "VA14",
+          .what = "block of 2 m/s on level ground, friction 0.5 to 0.15, v_c 0.6 m/s: way until it "
+                  "stops, bossak",
+          .exact = exact,
+          .computed = way,
+          .bound = 2e-3,
+          .unit = "m"});
+  EXPECT_LT(std::abs(before), 1e-3 * level.speed);
+}
+
 /// A plate presses a column: F = D / (L / (M A) + 1 / (eps A)), penetration F / (eps A); steps so
 /// long and soil so light that inertia vanishes. Then the plate goes back, and the force is gone
 /// within the step that opens the gap.

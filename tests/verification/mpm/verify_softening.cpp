@@ -68,5 +68,148 @@ TEST(VA2_SlipSurface, does_the_same_work_in_all_cells) {
   }
 }
 
+/// Half of a rough rigid footing of width 2 m that settles on weightless clay, 2 m deep.
+struct Footing {
+  double slip;        ///< of the softening [m]; 0: none
+  double settlement;  ///< beyond that of the largest load [m]
+};
+
+/// Its largest load by its area [Pa]. @param cells  under half of it
+double largest_load(const Footing& footing, int cells) {
+  const double E = 4e8, width = 4, depth = 2, h = 1.0 / cells;
+  const int steps = 40, nx = 4 * cells, ny = 2 * cells;
+  Json clay = elastic_soil("tresca", E, 0.49, 1000);
+  clay["cohesion"] = peak;
+  if (footing.slip > 0) {
+    clay["softening"] = {{"slip", footing.slip}, {"residual_cohesion", residual}};
+  }
+  const Json plate = {{"name", "footing"},
+                      {"surface", {{"polyline", {{0, depth}, {1, depth}}}, {"spacing", h}}},
+                      {"method", "boundary_points"},
+                      {"mode", "fixed"},
+                      {"penalty", 1000 * E / h},
+                      {"motion", {{"velocity", {0, -footing.settlement / steps}}}}};
+  const auto solver =
+      make_mpm({{"dimension", 2},
+                {"analysis", "quasi_static"},
+                {"basis", "linear"},
+                {"grid", box({0, 0}, {width, depth + h}, {nx, ny + 1}, "quad4")},
+                {"walls", {wall("bottom", "fixed"), wall("left", "slip"), wall("right", "slip")}},
+                {"bodies", {body("soil", box({0, 0}, {width, depth}, {nx, ny}, "quad4"), 4, clay)}},
+                {"rigid_walls", {plate}},
+                {"locking", {{"method", "fbar"}}},
+                {"newton", {{"max_iterations", 60}}},
+                {"linear_solver", {{"method", "lu"}}}});
+  double largest = 0;
+  for (int n = 1; n <= steps; ++n) {
+    run_steps(*solver, 1, 1, n);
+    largest = std::max(largest, std::abs(probe(*solver, "footing.fy")));
+  }
+  return largest;
+}
+
+/// (2 + pi) c_r <= q <= (2 + pi) c_p: clay that falls off over a long slip bears the load of its
+/// peak, clay that is brittle less. All bounds are those of the same cells, which bear a little
+/// more than the exact load (V11).
+TEST(VA6_StripFooting, bears_less_the_more_brittle_the_clay_is) {
+  const double most_coarse = largest_load({0, 3e-3}, 4), most_fine = largest_load({0, 3e-3}, 8);
+  double last = residual * (2 + M_PI);
+  for (const Footing footing : {Footing{1e-4, 6e-4}, {1e-3, 1.2e-3}, {1e-2, 1.6e-3}, {0.1, 2e-3}}) {
+    const double coarse = largest_load(footing, 4), fine = largest_load(footing, 8);
+    EXPECT_GT(fine, last) << footing.slip;
+    EXPECT_LT(fine, most_fine) << footing.slip;
+    EXPECT_LT(coarse, most_coarse) << footing.slip;
+    last = fine;
+    verify({.id = "VA6",
+            .what = fmt::format("largest load of a footing of 2 m on clay that softens over {} m: "
+                                "cells of 0.125 m against 0.25 m",
+                                footing.slip),
+            .exact = fine,
+            .computed = coarse,
+            .bound = 0.05,
+            .unit = "Pa"});
+  }
+  verify({.id = "VA6",
+          .what = "the same, softening over 0.1 m, cells of 0.125 m: load of the peak",
+          .exact = peak * (2 + M_PI),
+          .computed = last,
+          .bound = 0.065,
+          .unit = "Pa",
+          .limitation = "a cell beside the edge of the footing is carried along"});
+}
+
+/// Deposit of soft clay on a rough bed behind a smooth wall, at yield everywhere. The thrust of
+/// clay that spreads is F = rho g h^2 / 2 - (pi / 2) c h (Nye 1951), and the bed bears c:
+///
+///     dF/dx = -c ,  x = rho g (h_0^2 - h^2) / (2 c) - (pi / 2) (h_0 - h)
+///
+/// The long-wave limit has no second terms. F ends at h = pi c / (rho g), where the front begins.
+struct Deposit {
+  double c, a;        ///< strength [Pa], rho g / (2 c) [1/m]
+  double height = 0;  ///< at the wall [m]
+
+  double place_of(double h) const {
+    return a * (height * height - h * h) - M_PI / 2 * (height - h);
+  }
+};
+
+Deposit deposit(double volume, double c, double weight) {
+  Deposit result{c, weight / (2 * c)};
+  double low = 0.1, high = 100;
+  while (high - low > 1e-12) {
+    const double h = result.height = 0.5 * (low + high);
+    (h * h * (2 * result.a * h / 3 - M_PI / 4) < volume ? low : high) = h;
+  }
+  return result;
+}
+
+/// Depths of columns as wide as `width` [m].
+std::vector<double> depths_of(const mpm::MaterialPoints<2>& points, double width) {
+  std::vector<double> depths;
+  for (std::int32_t p = 0; p < points.size(); ++p) {
+    const auto k = static_cast<std::size_t>(points.x[p][0] / width);
+    if (k >= depths.size()) depths.resize(k + 1);
+    depths[k] += points.V0[p] * points.J[p] / width;
+  }
+  return depths;
+}
+
+/// A heap of 4 x 2 m of remoulded clay whose weight comes so slowly that inertia does little.
+TEST(VA19_RunOut, remoulded_clay_comes_to_rest_on_its_slope) {
+  const double c = 1130, rho = 1800, g = 9.81, time = 36, width = 0.8, shallow = 0.4;
+  Json clay = elastic_soil("tresca", 300 * c, 0.49, rho);
+  clay["cohesion"] = c;
+  const auto solver =
+      mpm_solver<2>({{"dimension", 2},
+                     {"gravity", {0, -g}},
+                     {"gravity_ramp", {{"duration", time}}},
+                     {"grid", box({0, 0}, {16, 2.4}, {160, 24}, "quad4")},
+                     {"walls", {wall("bottom", "fixed"), wall("left", "slip")}},
+                     {"time_integration", {{"scheme", "explicit"}}},
+                     {"bodies", {body("clay", box({0, 0}, {4, 2}, {40, 20}, "quad4"), 4, clay)}}});
+  run_steps(*solver, 0.02, static_cast<int>(std::lround((time + 1) / 0.02)));
+  const Deposit exact = deposit(8, c, rho * g);
+  const auto depths = depths_of(solver->points(), width);
+  std::size_t k = 1;
+  while (k + 1 < depths.size() && depths[k] > shallow) ++k;
+  const double share = (depths[k - 1] - shallow) / (depths[k - 1] - depths[k]);
+  // Of the column at the wall, in its middle.
+  const double slope = c / (rho * g * exact.height - M_PI / 2 * c);
+  const std::string what = "deposit of 8 m^2 of clay of 1.13 kPa, Tresca, cells of 0.1 m: ";
+  verify({.id = "VA19",
+          .what = what + "depth at the wall",
+          .exact = exact.height - width / 2 * slope,
+          .computed = depths[0],
+          .bound = 0.05,
+          .unit = "m"});
+  verify({.id = "VA19",
+          .what = what + "where it is 0.4 m deep",
+          .exact = exact.place_of(shallow),
+          .computed = width * (k - 0.5 + share),
+          .bound = 0.05,
+          .unit = "m",
+          .limitation = "the deposit is steeper than its profile, with cells of 0.2 m more so"});
+}
+
 }  // namespace
 }  // namespace gabion::test

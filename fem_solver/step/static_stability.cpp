@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fem_solver/step/static_stability.hpp"
+
+#include <algorithm>
+
+#include "common/base/log.hpp"
+#include "common/mechanics/petsc/eigenvalue_signs.hpp"
+
+namespace gabion::fem {
+
+namespace {
+
+template <int dim>
+bool shows_instability(const FemSettings<dim>& settings) {
+  const bool only_beams = std::ranges::all_of(settings.line_materials, [](const auto& line) {
+    return line.beam.has_value() || line.embedded;
+  });
+  const bool cracks = std::ranges::any_of(
+      settings.materials, [](const auto& material) { return material.law_name == "concrete"; });
+  return !settings.dynamic && settings.ranks.alone() && only_beams && !cracks;
+}
+
+}  // namespace
+
+template <int dim>
+StaticStability<dim>::StaticStability(const FemSettings<dim>& settings)
+    : on_(shows_instability(settings)), beams_(settings.beam_nodes().any()) {}
+
+template <int dim>
+void StaticStability<dim>::look_at(const StructureState& state_n, const StructureState& state,
+                                   Equilibrium<dim>& equilibrium) {
+  if (!on_) return;
+  // The slope by the rotations of a step is symmetric where they are zero: as the next one begins.
+  equilibrium.set_history(beams_ ? state.history : state_n.history);
+  BlockMatrix<dim> K;
+  equilibrium.set_pattern(K);
+  equilibrium.assemble_tangent(state.motion.u, 1, /*with_inertia=*/false, K);
+  const std::int64_t directions = count_negative_eigenvalues(K);
+  if (directions == 0 || unstable_states_++ > 0) return;
+  log::warn(
+      "t = {:.6g} s: the equilibrium that was found is not stable: the stiffness is negative in {} "
+      "direction(s), so the structure has buckled or snapped through on the way and would leave "
+      "this state; \"analysis\": \"dynamic\" shows where it goes. summary.json counts such states "
+      "(unstable_equilibria)",
+      state.time, directions);
+}
+
+template class StaticStability<2>;
+template class StaticStability<3>;
+
+}  // namespace gabion::fem
