@@ -24,6 +24,7 @@
 #include "mpm_solver/contact/group_config.hpp"
 #include "mpm_solver/gauges/gauge_config.hpp"
 #include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/points/rain.hpp"
 
 namespace gabion::mpm {
 
@@ -144,6 +145,7 @@ void check_domains(const ConfigReader& in, const PointLayout<dim>& layout,
 template <int dim>
 void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& settings) {
   settings.pools = read_pools(in);
+  if (auto rain = in.optional_object("rain")) settings.rain = read_rain(std::move(*rain));
   settings.bodies_where = in.where("bodies");
   const Vector<dim> origin = to_vector<dim>(in.vector("origin", dim));
   auto items = in.objects("bodies");

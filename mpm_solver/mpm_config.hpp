@@ -44,8 +44,9 @@ struct MpmSettings {
   std::vector<std::optional<InitialStress>> initial_stress;  ///< of each body
   BodyGroups body_groups;  ///< none: all bodies share the nodes of the grid
   Vector<dim> gravity = Vector<dim>::Zero();
-  std::vector<Phase> phases;  ///< at least one
-  std::vector<Pool> pools;    ///< of free water, see read_pools()
+  std::vector<Phase> phases;         ///< at least one
+  std::vector<Pool> pools;           ///< of free water, see read_pools()
+  std::optional<TimeFunction> rain;  ///< volume by horizontal area [m/s]; none: no rain
   /// Acceleration [m/s^2] that acts on material points besides gravity, from their position at the
   /// start [m] and the time [s]; empty: none. For manufactured solutions, not a key of mpm.json.
   std::function<Vector<dim>(const Vector<dim>& reference_position, double time)> body_acceleration;

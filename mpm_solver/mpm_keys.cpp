@@ -7,6 +7,7 @@
 #include "mpm_solver/contact/group_config.hpp"
 #include "mpm_solver/gauges/gauge_config.hpp"
 #include "mpm_solver/mpm_config.hpp"
+#include "mpm_solver/points/rain.hpp"
 
 namespace gabion::mpm {
 
@@ -123,6 +124,10 @@ std::vector<Key> model_keys() {
                        "Free water at rest over the soil, from the lowest x to the highest; all "
                        "bodies have water that drains.")
               .or_empty(),
+          key::object("rain", rain_keys(),
+                      "Rain on soil whose pore water drains through its `free_surface`; none: it "
+                      "does not rain.")
+              .or_none(),
           key::choice("outside", {"error", "remove"},
                       "Material points that leave the grid: the step fails, or they are taken out.")
               .or_else("error"),

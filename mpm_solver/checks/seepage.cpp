@@ -180,6 +180,23 @@ void check_surfaces(const MpmSettings<dim>& settings) {
   for (const auto& wall : settings.rigid_walls) check(wall.boundary);
 }
 
+// Rain needs soil that can take it in, and a direction.
+template <int dim>
+void check_rain(const ConfigReader& in, const MpmSettings<dim>& settings) {
+  if (!settings.rain) return;
+  if (settings.gravity.isZero(0)) {
+    in.fail("rain", "found without \"gravity\", allowed: with it; rain falls along it");
+  }
+  const auto takes_rain = [](const Body<dim>& body) {
+    return drains(body) && body.water->seepage_face;
+  };
+  if (std::ranges::any_of(settings.bodies, takes_rain)) return;
+  in.fail("rain",
+          "found without soil that takes it in, allowed: with a body that has \"water\" with "
+          "\"permeability\" and \"free_surface\" \"seepage_face\"; other water stays with its "
+          "grains");
+}
+
 }  // namespace
 
 template <int dim>
@@ -194,6 +211,7 @@ void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings) {
     check_density(in, settings, *first, b);
   }
   check_surfaces(settings);
+  check_rain(in, settings);
   if (first) {
     check_phases(in, settings.phases, *first);
     check_linear_solver(in, settings);

@@ -99,6 +99,10 @@ std::vector<std::string> water_probe_names(const MpmSettings<dim>& settings) {
     }
   }
   if (any_drains(settings.bodies)) names.push_back("water_out");
+  if (settings.rain) {
+    names.push_back("rain_in");
+    names.push_back("rain_run_off");
+  }
   return names;
 }
 
@@ -131,6 +135,10 @@ std::vector<double> water_probe_values(const SoilModel<dim>& model, const SoilSt
   if (model.drains) {
     const auto body = std::ranges::find_if(bodies, drains<dim>);
     values.push_back(state.water_out * body->water->density);
+    if (model.settings.rain) {
+      values.push_back(state.rain_in * body->water->density);
+      values.push_back(state.rain_run_off * body->water->density);
+    }
   }
   return values;
 }

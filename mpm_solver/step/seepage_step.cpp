@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/step/seepage_step.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -17,6 +19,9 @@ namespace {
 // A step changes the volume of water by much less than the stresses could, and a residual that is
 // small beside them would let slow seepage stand still.
 constexpr double water_tolerance = 1e-9;
+
+// Solutions of a step with other places that take all of the rain: mostly one or two.
+constexpr int most_changes_of_rain = 20;
 
 // The matrix is indefinite: no Krylov method with the preconditioners at hand solves it.
 LinearSolverSettings direct(LinearSolverSettings settings) {
@@ -66,7 +71,8 @@ void SeepageStep<dim>::make_water(const StepStart& start, double time, const Vec
                      .cell_size = model.cell_size,
                      .inertia_slope = start.with_inertia ? start.scheme.inertia_slope(start.dt) : 0,
                      .averages = model.settings.locking.average_volumes,
-                     .pools = pools_});
+                     .pools = pools_,
+                     .rain = rain_at(time)});
   this->f_pore_ = water_->forces();
 }
 
@@ -106,6 +112,13 @@ void SeepageStep<dim>::open_surface() {
       .surfaces = meets_surfaces ? &*sights_ : nullptr};
   const auto surface = find_free_surface<dim>(surroundings, with_seepage_face_);
   water_->open(model.grid, surface);
+}
+
+template <int dim>
+Vector<dim> SeepageStep<dim>::rain_at(double time) const {
+  const MpmSettings<dim>& settings = this->parts_.model.settings;
+  if (!settings.rain) return Vector<dim>::Zero();
+  return settings.rain->at(time) * settings.gravity.normalized();
 }
 
 // The water beyond the walls is at rest, below the level of pools, or else the table of the soil.
@@ -172,8 +185,16 @@ NewtonReport SeepageStep<dim>::iterate(bool first, const NewtonSettings& setting
   NewtonSettings tight = settings;
   tight.residual_tolerance = std::min(settings.residual_tolerance, water_tolerance);
   NewtonMatrix<dim + 1> matrix{*K_, solver_};
-  const NewtonReport report =
-      solve_newton<dim + 1>(*balance_, matrix, tight, x_, this->parts_.times);
+  NewtonReport report = solve_newton<dim + 1>(*balance_, matrix, tight, x_, this->parts_.times);
+  for (int k = 0; water_->update_rain(); ++k) {
+    if (k == most_changes_of_rain) {
+      throw ConvergenceError(
+          fmt::format("places that take all of the rain change after {} solutions", k));
+    }
+    const int iterations = report.iterations;
+    report = solve_newton<dim + 1>(*balance_, matrix, tight, x_, this->parts_.times);
+    report.iterations += iterations;
+  }
   this->du_ = balance_->displacement(x_);
   return report;
 }
@@ -207,6 +228,8 @@ template <int dim>
 void SeepageStep<dim>::remember(SoilState<dim>& state) const {
   ImplicitStep<dim>::remember(state);
   state.water_out += balance_->outflow();
+  state.rain_in += water_->rain_in();
+  state.rain_run_off += water_->rain_run_off();
 }
 
 template <int dim>

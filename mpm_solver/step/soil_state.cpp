@@ -200,6 +200,7 @@ SoilState<dim>::SoilState(const SoilModel<dim>& model)
   }
   has_water = std::ranges::any_of(model.settings.bodies,
                                   [](const Body<dim>& body) { return body.water.has_value(); });
+  has_rain = model.settings.rain.has_value();
   locate_points(model, points);
   remove_soil_inside(model.comm, model.settings.boulders, model.settings.rigid_walls, points);
   ranks.divide(points, surfaces);
@@ -294,6 +295,10 @@ void SoilState<dim>::visit(StateVisitor& visitor) {
   visitor.integer("removed_points", removed_points);
   visitor.reals("removed_masses", removed_masses);
   if (has_water) visitor.real("water_out", water_out);
+  if (has_rain) {
+    visitor.real("rain_in", rain_in);
+    visitor.real("rain_run_off", rain_run_off);
+  }
   visitor.flag("nearly_linear", nearly_linear);
   visitor.real("contact_rate", contact_rate);
   pause.visit_state(visitor);

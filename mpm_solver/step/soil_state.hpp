@@ -63,7 +63,10 @@ struct SoilState {
   std::int64_t removed_points = 0;                            ///< of all ranks
   std::vector<double> removed_masses;  ///< through SoilModel::exit_sides [kg]
   bool has_water = false;              ///< a body has pore water, on whichever rank
-  double water_out = 0;        ///< volume, free of pressure, of the pore water that left [m^3]
+  double water_out = 0;  ///< volume, free of pressure, of the pore water that left [m^3]
+  bool has_rain = false;
+  /// Volumes of the rain that the soil took, which water_out does not hold, and did not take [m^3].
+  double rain_in = 0, rain_run_off = 0;
   bool nearly_linear = false;  ///< the last step's first solution took one Newton iteration at most
   double contact_rate = 0;     ///< of the last explicit step, see StableStep [1/s^2]
   KrylovPause pause;           ///< LinearSolver::pause() after the last step

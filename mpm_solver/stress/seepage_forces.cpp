@@ -289,6 +289,9 @@ bool SeepageForces<dim>::evaluate(const Trial& trial, BlockMatrix<block_size>* K
   shared.sum(r_, squeezed_, 1);
   shared.sum(seeped_, 1);
   outflow_ = shared.total(outflow_);
+  if (step_.rain.isZero(0)) return true;
+  rain_in_ = shared.total(rain_in_);
+  rain_run_off_ = shared.total(rain_run_off_);
   return true;
 }
 
@@ -298,7 +301,7 @@ bool SeepageForces<dim>::evaluate_groups(const Trial& trial, BlockMatrix<block_s
   for (auto* values : {&f_, &r_, &squeezed_, &seeped_, &f_pool_}) {
     std::fill(values->begin(), values->end(), 0.0);
   }
-  weight_work_ = outflow_ = inflow_work_ = 0;
+  weight_work_ = outflow_ = inflow_work_ = rain_in_ = rain_run_off_ = 0;
   Group work;
   for (const std::int32_t g : groups_) {
     const CellGroup& group = parts_.weights.groups[g];

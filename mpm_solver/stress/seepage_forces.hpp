@@ -20,6 +20,8 @@ struct SeepageStepData {
   double inertia_slope = 0;  ///< NewmarkBossak::inertia_slope; 0: quasi-static [1/s^2]
   bool averages = false;     ///< volumes are those of groups (F-bar), as in AveragedForces
   PoolLevels pools{};        ///< at the end of the step
+  /// Rain at the end of the step, volume by area across it, along gravity [m/s].
+  Vector<dim> rain = Vector<dim>::Zero();
 };
 
 /// Pore water of bodies that drain, between the grains of the points and with its pressure on the
@@ -40,8 +42,9 @@ class SeepageForces {
   /// @note Collective.
   SeepageForces(const StressParts<dim>& parts, const SeepageStepData<dim>& step);
 
-  /// Let water leave at these points where it is under pressure, and none in; below the level of a
-  /// pool both, by the difference of the pressures. Replaces earlier ones.
+  /// Let water leave at these points where it is under pressure, and none in but rain, as far as
+  /// the pressure there does not become positive; below the level of a pool both, by the difference
+  /// of the pressures. Replaces earlier ones.
   void open(const BackgroundGrid<dim>& grid, std::span<const OuterPoint<dim>> surface);
 
   /// Unknowns of a trial state.
@@ -72,6 +75,14 @@ class SeepageForces {
   double inflow_work() const { return inflow_work_; }
   /// Volume of water that leaves at the points of open(), in the last evaluation [m^3].
   double outflow() const { return outflow_; }
+  /// Find anew where the soil takes all of the rain, from the last evaluation; until then it does
+  /// where it did so, at first under the accepted pressures.
+  /// @returns whether that is elsewhere now, on any rank
+  /// @note Collective.
+  bool update_rain();
+  /// Volumes of the rain that the soil takes and does not take, in the last evaluation [m^3].
+  double rain_in() const { return rain_in_; }
+  double rain_run_off() const { return rain_run_off_; }
   /// Work of gravity on the water that seeps through the skeleton, in the last evaluation, of the
   /// points of this rank [J].
   double weight_work() const { return weight_work_; }
@@ -106,6 +117,9 @@ class SeepageForces {
     double at_rest = 0;                            // pressure that q leaves out there [Pa]
     double drained = 0;                            // volume in the step by pressure [m^3/Pa]
     double outside = 0;                            // pressure of a pool, 0: air [Pa]
+    double rain = 0;                               // volume in the step [m^3]
+    double at_pressure = 0;  // volume that the pressure of the last evaluation lets out [m^3]
+    bool full = false;       // the soil does not take all of the rain
   };
   void list_wet();
   void list_pool_pressures();
@@ -117,6 +131,8 @@ class SeepageForces {
   void add_forces(const CellGroup& group, Group& work);
   void add_volumes(const CellGroup& group, Group& work);
   void add_outflow(const CellGroup& group, Group& work, bool with_stiffness);
+  double surface_area(const OuterPoint<dim>& at) const;
+  bool follows_pressure(const Outlet& outlet, double& volume);
   void add_stiffness(const CellGroup& group, Group& work) const;
   void add_point_stiffness(const CellGroup& group, const Work& point, Group& work) const;
   void add_mobility_stiffness(const CellGroup& group, const Work& point, Group& work) const;
@@ -125,7 +141,7 @@ class SeepageForces {
   StressParts<dim> parts_;
   SeepageStepData<dim> step_;
   double modulus_ = 0;
-  double weight_work_ = 0, outflow_ = 0, inflow_work_ = 0;
+  double weight_work_ = 0, outflow_ = 0, inflow_work_ = 0, rain_in_ = 0, rain_run_off_ = 0;
   std::vector<Outlet> outlets_;       // ascending entries
   std::vector<std::int32_t> groups_;  // of the weights, those of bodies that drain
   std::vector<double> tau_st_;        // of each body [1/Pa]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The free surface, where pore water leaves the soil, or comes in from a pool.
 #include <algorithm>
+#include <cmath>
 
 #include "mpm_solver/grid/surface_values.hpp"
 #include "mpm_solver/stress/seepage_group.hpp"
@@ -14,6 +15,18 @@ namespace {
 constexpr double surface_mobility = 50;
 
 }  // namespace
+
+// Area of the surface of a point. Of each column or row of the points' domains, whichever is
+// steeper to the surface, one point is at the surface, so what is seen along an axis adds up to the
+// whole. Points without domains are cubes.
+template <int dim>
+double SeepageForces<dim>::surface_area(const OuterPoint<dim>& at) const {
+  if (parts_.points.half_length.empty()) return at.area;
+  const Vector<dim> sides = 2 * parts_.points.half_length[at.point];
+  int across = 0;
+  at.n.cwiseProduct(sides).cwiseAbs().maxCoeff(&across);
+  return sides.prod() / sides[across] / std::abs(at.n[across]);
+}
 
 template <int dim>
 void SeepageForces<dim>::open(const BackgroundGrid<dim>& grid,
@@ -40,9 +53,50 @@ void SeepageForces<dim>::open(const BackgroundGrid<dim>& grid,
       outlet.outside = step_.pools.template pressure<dim>(place);
       const double kappa = water.mobility() * water.mobility_ratio(parts_.points.J[p]);
       outlet.drained = surface_mobility * at.area / h * kappa * step_.dt;
+      if (outlet.outside == 0) {
+        outlet.rain = std::max(0.0, at.n.dot(-step_.rain)) * surface_area(at) * step_.dt;
+        double p_start = outlet.at_rest;
+        const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
+        for (int i = 0; i < weights.num_nodes(e); ++i) {
+          p_start += outlet.w[i] * q_start_[active[weights.local_of(e)[i]]];
+        }
+        outlet.full = outlet.drained * p_start > -outlet.rain;
+      }
       outlets_.push_back(outlet);
     }
   }
+}
+
+// Whether what passes an outlet follows the pressure. Air does not press water into the soil, and
+// soil takes rain only until it is full, with the pressure of air there.
+// @param volume  that by the difference of the pressures; of what leaves [m^3]
+template <int dim>
+bool SeepageForces<dim>::follows_pressure(const Outlet& outlet, double& volume) {
+  if (outlet.outside != 0) {
+    outflow_ += volume;
+    inflow_work_ -= volume * outlet.outside;
+    return true;
+  }
+  const bool follows = outlet.rain > 0 ? outlet.full : volume > 0;
+  if (!follows) volume = -outlet.rain;
+  outflow_ += std::max(0.0, volume);
+  const double taken = std::max(0.0, -volume);
+  rain_in_ += taken;
+  rain_run_off_ += outlet.rain - taken;
+  return follows;
+}
+
+template <int dim>
+bool SeepageForces<dim>::update_rain() {
+  if (step_.rain.isZero(0)) return false;
+  bool changed = false;
+  for (Outlet& outlet : outlets_) {
+    if (!(outlet.rain > 0)) continue;
+    const bool full = outlet.at_pressure > -outlet.rain;
+    changed = changed || full != outlet.full;
+    outlet.full = full;
+  }
+  return parts_.nodes.shared.largest(changed ? 1 : 0) > 0;
 }
 
 // Outlets of a group: volumes, and what they add to K_pp (`with_stiffness`).
@@ -56,13 +110,13 @@ void SeepageForces<dim>::add_outflow(const CellGroup& group, Group& work, bool w
     double p = outlet->at_rest;
     for (int i = 0; i < num; ++i) p += outlet->w[i] * work.q[local[i]];
     p -= outlet->outside;
-    if (!(p > 0) && outlet->outside == 0) continue;  // air does not press water into the soil
-    outflow_ += outlet->drained * p;
-    inflow_work_ -= outlet->drained * p * outlet->outside;
+    double volume = outlet->at_pressure = outlet->drained * p;
+    const bool follows = follows_pressure(*outlet, volume);
+    if (!follows && volume == 0) continue;
     for (int i = 0; i < num; ++i) {
       const double of_node = outlet->drained * outlet->w[i];
-      r_[work.active[local[i]]] += of_node * p;
-      if (!with_stiffness) continue;
+      r_[work.active[local[i]]] += follows ? of_node * p : outlet->w[i] * volume;
+      if (!with_stiffness || !follows) continue;
       double* row = &work.K[(static_cast<std::size_t>(local[i]) * block_size + dim) * rows];
       for (int k = 0; k < num; ++k) row[local[k] * block_size + dim] -= of_node * outlet->w[k];
     }
@@ -71,6 +125,8 @@ void SeepageForces<dim>::add_outflow(const CellGroup& group, Group& work, bool w
 
 template void SeepageForces<2>::open(const BackgroundGrid<2>&, std::span<const OuterPoint<2>>);
 template void SeepageForces<3>::open(const BackgroundGrid<3>&, std::span<const OuterPoint<3>>);
+template bool SeepageForces<2>::update_rain();
+template bool SeepageForces<3>::update_rain();
 template void SeepageForces<2>::add_outflow(const CellGroup&, Group&, bool);
 template void SeepageForces<3>::add_outflow(const CellGroup&, Group&, bool);
 

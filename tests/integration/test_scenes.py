@@ -44,14 +44,14 @@ class FlexibleGate(Laid):
 class Fluids(Laid):
     """Fluids beside a structure, as they would be after their way, push on it from the first moment."""
 
-    def expect_push(self, name: str, box: dict, end: float, point: str) -> None:
+    def expect_push(self, name: str, box: dict, end: float, point: str, error: float = 1e-4) -> None:
         self.scene = CONFIGS / name
         mesh = {"box": {**box, "type": "quad4"}}
         self.run_launch("--set", f"coupler.json:/time/end={end}",
                         "--set", f"mpm.json:/bodies/0/mesh={json.dumps(mesh)}", code=0)
         summary = json.loads((self.out / "summary.json").read_text())
         self.assertEqual((summary["steps"], summary["steps_in_contact"]), (40, 40))
-        self.expect_balance(point, 1e-4)
+        self.expect_balance(point, error)
 
     def test_dam_break(self) -> None:
         water = {"low": [0.146, 0], "high": [0.292, 0.073], "cells": [30, 15]}
@@ -60,6 +60,16 @@ class Fluids(Laid):
     def test_mud_on_barrier(self) -> None:
         mud = {"low": [1.2, 0], "high": [1.5, 0.1], "cells": [30, 10]}
         self.expect_push("mud_on_barrier", mud, 0.04, "crest")
+
+    def test_debris_flow(self) -> None:
+        """With the tolerance of these scenes, 1e-3 of the force, and its push with and without pore pressure."""
+        soil = {"low": [12, 0], "high": [14, 1], "cells": [8, 4]}
+        impulses = []
+        for name in ("debris_flow_barrier", "debris_flow_barrier_drained"):
+            self.out = self.folder / name
+            self.expect_push(name, soil, 0.2, "crest", 2e-3)
+            impulses.append(sum(float(row["fx"]) * float(row["dt"]) for row in read_table(self.out / "steps.csv")))
+        self.assertGreater(impulses[0], 1.5 * impulses[1])
 
 
 class SensitiveClay(IntegrationCase):
