@@ -17,7 +17,7 @@ bool shows_instability(const FemSettings<dim>& settings) {
   });
   const bool cracks = std::ranges::any_of(
       settings.materials, [](const auto& material) { return material.law_name == "concrete"; });
-  return !settings.dynamic && settings.ranks.alone() && only_beams && !cracks;
+  return settings.ranks.alone() && only_beams && !cracks;
 }
 
 }  // namespace
@@ -40,8 +40,8 @@ void StaticStability<dim>::look_at(const StructureState& state_n, const Structur
   log::warn(
       "t = {:.6g} s: the equilibrium that was found is not stable: the stiffness is negative in {} "
       "direction(s), so the structure has buckled or snapped through on the way and would leave "
-      "this state; \"analysis\": \"dynamic\" shows where it goes. summary.json counts such states "
-      "(unstable_equilibria)",
+      "this state; dynamics from the reference configuration show where it goes. summary.json "
+      "counts such states (unstable_equilibria)",
       state.time, directions);
 }
 

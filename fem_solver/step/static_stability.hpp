@@ -7,7 +7,7 @@
 
 namespace gabion::fem {
 
-/// Looks for static states that the structure would leave: its stiffness is negative in some
+/// Looks for states of rest that the structure would leave: its stiffness is negative in some
 /// direction. One rank; not where cracks soften, nor beside lines that may be slack, which leave
 /// nodes without any stiffness.
 template <int dim>

@@ -103,7 +103,6 @@ StructureState StructureStep<dim>::initial_state() {
     if (dynamic_) state.external_work = work_before_start(equilibrium_, conditions_, state);
     return state;
   }
-
   const ExternalForces f = external_forces(0, {});
   const StructureState reference = reference_state(f.end, equilibrium_.set_history(nullptr));
   StructureState state;
@@ -115,6 +114,7 @@ StructureState StructureStep<dim>::initial_state() {
     approach(reference, reference.f_ext, 1, /*with_inertia=*/false, du);
     solve_balance(reference, reference.f_ext, 1, /*with_inertia=*/false, du);
     fill_trial(reference, f, 0, du, state);
+    stability_.look_at(reference, state, equilibrium_);
   }
   state.balanced = true;
   state.external_work = 0;
@@ -326,7 +326,7 @@ void StructureStep<dim>::complete(const StructureState& state_n, double dt, Stru
   }
   trial.external_work += work_of_supports(equilibrium_, conditions_, state_n, trial, dynamic_);
   trial.damping_work = equilibrium_.damping_work(state_n, trial, dt);
-  stability_.look_at(state_n, trial, equilibrium_);
+  if (!dynamic_) stability_.look_at(state_n, trial, equilibrium_);
 }
 
 template <int dim>

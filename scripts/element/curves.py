@@ -90,8 +90,8 @@ def read_laboratory(path: Path) -> LabTable:
         raise ElementError(f"{path}: found {max(len(rows) - 1, 0)} rows, allowed: a head and at least 3 rows")
     for line, row in enumerate(rows[1:], 1):
         if len(row) != len(rows[0]):
-            raise ElementError(f"{path}: row {line}: found {len(row)} values, allowed: {len(rows[0])}, as the head has; "
-                               "decimals with a point, not a comma")
+            raise ElementError(f"{path}: row {line}: found {len(row)} values, allowed: {len(rows[0])}, as the head "
+                               "has; decimals have a point, no comma")
     columns: dict[str, np.ndarray] = {}
     for k, head in enumerate(rows[0]):
         name, factor = _quantity(path, head)
