@@ -116,8 +116,10 @@ std::vector<Key> beam_keys() {
           .or_none()
           .when("law", beam)
           .only("in 3D"),
-      key::number("spacing", "m",
-                  "Distance of the beams across the plane: one of them bears this thickness.")
+      key::number(
+          "spacing", "m",
+          "Distance of the beams across the plane: one of them bears this thickness. Forces "
+          "and moments in tables are per metre of it: times the distance those of a beam.")
           .in(positive())
           .or_else(1)
           .when("law", beam)

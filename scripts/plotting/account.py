@@ -10,7 +10,7 @@ CUT = re.compile(r"step (\d+) at (\S+) s: dt cut (?:from \S+ )?to \S+ s: (.*)")
 NUMBER = re.compile(r"(?<![\w\"])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
 FINE = ("converged", "inactive", "explicit")  # of steps.csv: status
 # Columns of probes.csv, behind the name of the participant, that are kept.
-LEDGER = re.compile(r"(?:^|\.)(gravity_work|boundary_work|external_work|kinetic_energy|elastic_energy"
+LEDGER = re.compile(r"(?:^|\.)(mass|gravity_work|boundary_work|external_work|kinetic_energy|elastic_energy"
                     r"|damping_work|energy_balance|created_energy|contact_created|momentum_(?:error_)?[xyz])$")
 
 

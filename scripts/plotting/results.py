@@ -151,8 +151,11 @@ class Series:
         path = self.path.parent / file
         if not path.exists():
             raise ResultsError(f"{self.path}: names {file}, which is not there")
-        with h5py.File(path) as data:
-            values = data[dataset][()]
+        try:
+            with h5py.File(path) as data:
+                values = data[dataset][()]
+        except (OSError, KeyError) as error:
+            raise ResultsError(f"{path}: {error}; allowed: the frame as the run wrote it") from error
         size = [int(n) for n in item.get("Dimensions", "").split()]
         return values.reshape(size) if size else values
 

@@ -4,6 +4,7 @@
 scripts/watch and scripts/report say the same.
 """
 
+import math
 import statistics
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -164,12 +165,13 @@ def _soil(run: Run) -> Iterator[Statement]:
                           f"Energy of {name}: {closed}. Of the {around:.3g} J{unit} that went around the balance "
                           f"misses {percent(error)}, and {percent(made)} was created.")
         axes = [axis for axis in "xyz" if f"{prefix}momentum_error_{axis}" in ledger.first]
-        moved = ledger.size(prefix, *(f"momentum_{axis}" for axis in axes))
+        of_energy = math.sqrt(2 * ledger.size(prefix, "mass") * around)  # soil at rest has next to no momentum
+        moved = max(ledger.size(prefix, *(f"momentum_{axis}" for axis in axes)), of_energy)
         if moved > 0:
             error = ledger.size(prefix, *(f"momentum_error_{axis}" for axis in axes)) / moved
             closed = "closed" if error < OPEN else "not closed"
-            yield _judged("momentum", error, f"Momentum of {name}: {closed}. It misses {percent(error)} of its "
-                          f"largest, {moved:.3g} kg m/s{unit}.")
+            yield _judged("momentum", error, f"Momentum of {name}: {closed}. It misses {percent(error)} of "
+                          f"{moved:.3g} kg m/s{unit}, its largest or that of the energy that went around, sqrt(2 m E).")
 
 
 def _structures(run: Run) -> Iterator[Statement]:

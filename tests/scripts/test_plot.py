@@ -72,6 +72,13 @@ class Reading(ScriptCase):
         with self.assertRaisesRegex(ResultsError, "soil_000002.h5"):
             Series(self.folder / "soil.xdmf").frame(2)
 
+    def test_half_a_frame_is_named(self) -> None:
+        made_up.write_series(self.folder, "soil", made_up.soil_frames())
+        frame = self.folder / "soil_000002.h5"
+        frame.write_bytes(frame.read_bytes()[: frame.stat().st_size // 2])
+        with self.assertRaisesRegex(ResultsError, "soil_000002.h5: .*truncated file"):
+            Series(self.folder / "soil.xdmf").frame(2)
+
 
 class Column(ScriptCase):
     def points(self) -> np.ndarray:

@@ -134,7 +134,7 @@ class Ledgers(VerdictCase):
         for row, energy, momentum in (
                 ("1,10,1e-4,0,2,0", ("good",
                                      "closed. Of the 10 J/m that went around the balance misses 0.001 %, and 0 % was"),
-                 ("good", "closed. It misses 0 % of its largest, 2 kg m/s/m.")),
+                 ("good", "closed. It misses 0 % of 2 kg m/s/m, its largest or")),
                 ("1,10,0,-0.05,2,0.01", ("note", "closed. Of the 10 J/m"), ("note", "closed. It misses 0.5 %")),
                 ("1,10,2,0,2,1", ("bad", "not closed. Of the 10 J/m that went around the balance misses 20 %"),
                  ("bad", "not closed. It misses 50 %")),
@@ -146,6 +146,13 @@ class Ledgers(VerdictCase):
             for topic, (kind, words) in (("energy", energy), ("momentum", momentum)):
                 self.assertEqual(said[topic][0][0], kind, said)
                 self.assertIn(f"{topic.capitalize()} of soil: {words}", said[topic][0][1])
+
+    def test_momentum_of_soil_at_rest(self) -> None:
+        head = ("time,soil.mass,soil.gravity_work,soil.energy_balance,soil.momentum_y,soil.momentum_error_y\n"
+                "0,480,0,0,0,0\n")
+        for error, kind in ((0.01, "good"), (0.1, "note"), (0.3, "bad")):
+            self.write("probes.csv", f"{head}1,480,0.5,0,0.37,{error}\n")
+            self.assertEqual(self.said()["momentum"][0][0], kind)
 
     def test_structure(self) -> None:
         head = "time,fence.kinetic_energy,fence.elastic_energy,fence.external_work,soil.momentum_z\n0,0,1,0,0\n"
