@@ -26,7 +26,9 @@ class Packer:
         self.results = results
         self.scene = ScenePlot(results, most_ground=MAX_GROUND)
         self.view = self.scene.view
-        self.meshes = [self._mesh(structure) for structure in self.scene.structures]
+        solids = [structure for structure in self.scene.structures if len(structure.frame(0).cells)]
+        self.structures = solids + self.scene.beam_surfaces
+        self.meshes = [self._mesh(structure) for structure in self.structures]
         soil = self.scene.soil
         first = self.scene.first
         self.fields = [name for name in FIELDS if first and name in first.fields][:3]
@@ -47,18 +49,22 @@ class Packer:
     def _mesh(self, structure: Series) -> tuple[np.ndarray, np.ndarray]:
         """Nodes that are seen, and faces of them; in space from all sides."""
         first = structure.frame(0)
-        if self.view.dim == 3 and first.cells.shape[1] in FACES:
+        if self.view.dim == 3 and first.cells.shape[1] in FACES and structure not in self.scene.beam_surfaces:
             faces = outer_faces(first.cells)
         else:
-            faces = self.view.faces(first.points, first.cells)
+            faces = self._drawn(structure)
         used, numbers = np.unique(faces, return_inverse=True)
         return used, numbers.reshape(faces.shape)
 
+    def _drawn(self, structure: Series) -> np.ndarray:
+        """Faces that the flat view draws, by their nodes."""
+        first = structure.frame(0)
+        return first.cells if structure in self.scene.beam_surfaces else self.view.faces(first.points, first.cells)
+
     def _front(self, structure: Series, used: np.ndarray, faces: np.ndarray) -> np.ndarray:
         """Numbers of the faces that the flat view draws, in their order."""
-        first = structure.frame(0)
         number = {tuple(sorted(face)): k for k, face in enumerate(used[faces].tolist())}
-        return np.array([number[tuple(sorted(face))] for face in self.view.faces(first.points, first.cells).tolist()])
+        return np.array([number[tuple(sorted(face))] for face in self._drawn(structure).tolist()])
 
     def _set_box(self, clouds: list[np.ndarray]) -> None:
         """The box of the places: the window; in space that of all that moves."""
@@ -85,7 +91,7 @@ class Packer:
         soil = self.scene.soil
         frames = [soil.frame(soil.nearest(time)) for time in times] if soil else []
         moving = [[structure.frame(structure.nearest(time)).points[used] for time in times]
-                  for structure, (used, _) in zip(self.scene.structures, self.meshes)]
+                  for structure, (used, _) in zip(self.structures, self.meshes)]
         clouds = [frame.points for frame in frames if len(frame.points)]  # all soil may have left
         if soil and not clouds:
             clouds = [self.scene.first.points]
@@ -96,7 +102,7 @@ class Packer:
                   "fields": [], "soil": [], "structures": [], "boulders": packed_boulders(self.results, times)}
         if soil:
             packed |= self._soil(frames)
-        for structure, (used, faces), places in zip(self.scene.structures, self.meshes, moving):
+        for structure, (used, faces), places in zip(self.structures, self.meshes, moving):
             mesh = {"corners": faces.shape[1], "faces": text_of(faces.astype("<u4")),
                     "frames": [self._places(points) for points in places]}
             if self.view.dim == 3:

@@ -133,20 +133,9 @@ class Seen(ScriptCase):
             self.assertGreater((folder / "plots" / name).stat().st_size, 5000)
 
     def test_beams_are_drawn_by_the_surface_around_them(self) -> None:
-        folder = made_up.write_space_results(self.folder / "beams")
-        axis = np.array([[0.25, 0.01, 0.0], [0.25, 0.01, 0.05]])
-        ring = np.array([[0.255, 0.005], [0.255, 0.015], [0.245, 0.015], [0.245, 0.005]])
-        corners = np.array([[*xy, z] for z in (0.0, 0.05) for xy in ring])
-        cells = np.array([[k, (k + 1) % 4, 4 + (k + 1) % 4, 4 + k] for k in range(4)])
-        times = np.linspace(0, made_up.END, 6)
-        made_up.write_series(folder / "fem", "structure", [
-            (time, axis, np.zeros((0, 8), int), {"displacement": 0 * axis}) for time in times])
-        made_up.write_series(folder / "mpm", "contact_posts", [
-            (time, corners + [time, 0, 0], cells, {"pressure": np.zeros(4)}) for time in times])
-        (folder / "fem" / "resolved_config.json").write_text(json.dumps({"fem.json": {"interfaces": [
-            {"name": "posts", "beams": ["post"]}, {"name": "wall", "groups": ["front"]}]}}))
+        folder = made_up.write_beams(self.folder / "beams")
         (posts,) = Results(folder).beam_surfaces
-        np.testing.assert_allclose(posts.frame(5).points, corners + [made_up.END, 0, 0])
+        np.testing.assert_allclose(posts.frame(5).points, posts.frame(0).points + [made_up.END, 0, 0])
         for options in (("--space", 20, 30), ()):
             result = self.python_script("plot", folder, *options, "--times", 0, 0.4)
             self.assertEqual(result.returncode, 0, result.stderr)

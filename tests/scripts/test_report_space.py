@@ -10,7 +10,8 @@ from unittest import mock
 
 import numpy as np
 from made_up_results import (
-    boulder_frames, soil_frames, space_frames, write_boulder, write_results, write_series, write_space_results,
+    boulder_frames, soil_frames, space_frames, write_beams, write_boulder, write_results, write_series,
+    write_space_results,
 )
 from script_case import ScriptCase
 
@@ -61,6 +62,12 @@ class Space(ScriptCase):
         self.assertEqual(len(front), 20)
         points = space_frames(2)[1][0][1]
         np.testing.assert_allclose(points[faces[front]][..., 1], 0)  # the eye looks along +y
+
+    def test_beams_are_the_surface_around_them(self) -> None:
+        packed = self.packed(write_beams(self.folder / "beams"))
+        (posts,) = packed["structures"]
+        self.assertEqual(posts["corners"], 4)
+        self.assertEqual(len(posts["frames"]), len(packed["times"]))
 
     def test_boulders(self) -> None:
         for dim, write in ((2, write_results), (3, write_space_results)):
