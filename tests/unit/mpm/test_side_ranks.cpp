@@ -130,5 +130,30 @@ TEST(SideRanks, number_of_ranks_does_not_change_the_cures_of_small_cuts) {
   }
 }
 
+/// Soil on both sides of a plate in space, across the border between ranks.
+TEST(SideRanks, in_space) {
+  const Json material = elastic_soil("neo_hookean", 1e6, 0.3, 1500);
+  const Json json = {{"dimension", 3},
+                     {"grid", box({0, 0, 0}, {1, 0.4, 1.2}, {10, 4, 12}, "hex8")},
+                     {"basis", "gimp"},
+                     {"time_integration", {{"scheme", "explicit"}}},
+                     {"rigid_walls",
+                      {{{"name", "plate"},
+                        {"method", "facets"},
+                        {"surface",
+                         {{"mesh", box({0, 0, 0.6}, {1, 0.4, 0.65}, {10, 4, 1}, "hex8")},
+                          {"groups", {"bottom", "top"}}}}}}},
+                     {"bodies",
+                      {body("lower", box({0.1, 0.1, 0.4}, {0.9, 0.3, 0.6}, {8, 2, 2}, "hex8"), 8,
+                            material, {4, 0, 3}),
+                       body("upper", box({0.1, 0.1, 0.65}, {0.9, 0.3, 0.85}, {8, 2, 2}, "hex8"), 8,
+                            material, {0, 0, -1})}}};
+  const auto shared = mpm_solver<3>(json), alone = mpm_solver<3>(json, MPI_COMM_SELF);
+  run(*shared, 2e-4, 1, 20);
+  run(*alone, 2e-4, 1, 20);
+  expect_same_points<3>(shared->points(), alone->points(), 1e-9);
+  expect_same_probes(*shared, *alone, 1e-9);
+}
+
 }  // namespace
 }  // namespace gabion::test
