@@ -48,6 +48,20 @@ TEST(FemSolver, starts_in_equilibrium_and_stays_at_rest) {
   EXPECT_EQ(sent.at("wall").size(), 26u);
 }
 
+// The plate sinks by less than a hundredth of its facets; a softer one by more.
+TEST(FemSolver, warns_of_an_interface_that_starts_displaced) {
+  const auto said = [](double young_modulus) {
+    Json json = plate();
+    json["material"]["young_modulus"] = young_modulus;
+    testing::internal::CaptureStderr();
+    fem_solver<2>(json);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(said(plate()["material"]["young_modulus"]).find("start displaced"), std::string::npos);
+  const std::string text = said(plate()["material"]["young_modulus"].get<double>() / 10);
+  EXPECT_NE(text.find("interfaces that start displaced: \"wall\" by up to "), std::string::npos);
+}
+
 TEST(FemSolver, a_push_ends_the_rest) {
   const auto solver = fem_solver<2>(plate());
   const double before = probe(*solver, "A.ux");
