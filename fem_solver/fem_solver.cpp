@@ -5,11 +5,9 @@
 #include <cmath>
 #include <variant>
 
-#include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/petsc/numbered_values.hpp"
 #include "common/mechanics/ranks/text.hpp"
-#include "fem_solver/interface/displaced_start.hpp"
 #include "fem_solver/report/widest_crack.hpp"
 
 namespace gabion::fem {
@@ -22,10 +20,7 @@ FemSolver<dim>::FemSolver(MPI_Comm comm, FemSettings<dim> settings,
       beam_surfaces_(settings_),
       step_(settings_, comm),
       report_(settings_, step_, output_folder),
-      state_(step_.initial_state()) {
-  const auto text = displaced_start(interfaces(), interface_displacements(state_));
-  if (text) log::warn("{}", *text);
-}
+      state_(step_.initial_state()) {}
 
 template <int dim>
 void FemSolver<dim>::set_motion(std::vector<double> u, std::vector<double> v) {
