@@ -203,6 +203,7 @@ Json resting(double y) {
   json["gravity"] = {0, -10};
   json["bodies"][0].erase("velocity");
   json["bodies"][0]["initial_stress"] = {{"k0", 0.5}, {"surface", 0.75}};
+  json["bodies"][0]["material"]["law"] = "hencky_elastic";
   json["newton"] = exact_newton;
   return json;
 }
