@@ -7,6 +7,7 @@
 
 #include "common/checkpoint/state_file.hpp"
 #include "common/hdf5/hdf5_reader.hpp"
+#include "common/mechanics/ranks/sum.hpp"
 #include "protocol/serve.hpp"
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/exchange.hpp"
