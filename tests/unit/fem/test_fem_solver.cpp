@@ -56,7 +56,7 @@ TEST(FemSolver, says_where_its_interfaces_start) {
   solver->solve_step({1, 0, 0, 0.01}, push(*solver, 0), sent);
   ASSERT_EQ(start.size(), 1u);
   EXPECT_EQ(start, sent);  // at rest it stays there, to the bit
-  EXPECT_EQ(*std::ranges::min_element(start.at("wall")), probe(*solver, "A.uy"));
+  EXPECT_NE(std::ranges::find(start.at("wall"), probe(*solver, "A.uy")), start.at("wall").end());
   Json json = plate();
   json["initial_equilibrium"] = false;
   EXPECT_TRUE(start_displacements(*fem_solver<2>(json)).empty());

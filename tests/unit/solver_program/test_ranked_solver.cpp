@@ -156,7 +156,8 @@ TEST(RankedSolver, all_ranks_are_told_where_the_run_starts) {
 TEST(RankedSolver, a_start_comes_before_the_first_accepted_step) {
   Recorder solver;
   Script script({solve_request(), accept_request(), start_request()});
-  expect_failure(script, solver, "\"set_start\" after an accepted step");
+  expect_error<ProtocolError>([&] { follow(script, solver); },  // on all ranks
+                              {"\"set_start\" after an accepted step"});
 }
 
 TEST(RankedSolver, all_ranks_do_what_the_first_is_asked) {
