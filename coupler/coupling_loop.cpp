@@ -67,23 +67,17 @@ void CouplingLoop::run() {
 void CouplingLoop::run_steps() {
   sides_.tell_force_kinds();
   std::vector<std::string> probe_names;
-  std::vector<double> probes;
   for (const Side* side : sides_.all()) {
     for (const auto& name : side->solver().probe_names()) {
       probe_names.push_back(side->name() + "." + name);
     }
-    const std::vector<double> values = side->solver().probes();
-    probes.insert(probes.end(), values.begin(), values.end());
   }
   record_.start(probe_names);
   balances_.start(probe_names);
   if (checkpoints_.go_on()) {
     clock_.due(steps_.time());  // what is due here was written by the run that is continued
   } else {
-    record_.probes(0, probes);
-    balances_.add(probes);
-    step_.start_at_rest();
-    if (clock_.due(0)) write_output();
+    start();
   }
   while (!steps_.finished()) {
     advance();
@@ -91,6 +85,22 @@ void CouplingLoop::run_steps() {
   }
   write_output();
   checkpoints_.at_end();
+}
+
+/// Time 0: interfaces are where the structures begin.
+void CouplingLoop::start() {
+  sides_.tell_start();
+  soil_work_.start(sides_.map().soil_displacement(sides_.accepted_x()));
+  structure_work_.start(sides_.accepted_x());
+  std::vector<double> probes;
+  for (const Side* side : sides_.all()) {
+    const std::vector<double> values = side->solver().probes();
+    probes.insert(probes.end(), values.begin(), values.end());
+  }
+  record_.probes(0, probes);
+  balances_.add(probes);
+  step_.start_at_rest();
+  if (clock_.due(0)) write_output();
 }
 
 void CouplingLoop::advance() {

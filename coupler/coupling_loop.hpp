@@ -36,6 +36,7 @@ class CouplingLoop {
 
  private:
   void run_steps();
+  void start();
   void advance();
   void accept(const Attempt& done, int cuts, const Stopwatch& watch);
   void start_next(const Attempt& done, double structures_dt);

@@ -9,6 +9,7 @@
 
 #include "common/mechanics/materials/rotation_warning.hpp"
 #include "common/run/solver.hpp"
+#include "common/run/start.hpp"
 #include "fem_solver/fem_config.hpp"
 #include "fem_solver/interface/beam_surfaces.hpp"
 #include "fem_solver/interface/wet_surfaces.hpp"
@@ -21,7 +22,7 @@ namespace gabion::fem {
 /// displacements (README.md).
 /// @note Every function is collective over the ranks of `comm`.
 template <int dim>
-class FemSolver final : public Solver {
+class FemSolver final : public Solver, public DisplacedAtStart {
  public:
   /// @param settings       with the part of this rank of `comm`
   /// @param output_folder  folder of the frames; empty: none are written
@@ -33,6 +34,7 @@ class FemSolver final : public Solver {
   std::vector<std::string> probe_names() const override { return report_.probe_names(); }
   bool takes_force_kinds() const override { return true; }
   void set_force_kinds(const ForceKinds& kinds) override;
+  InterfaceValues start_displacements() const override { return interface_displacements(state_); }
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override;

@@ -10,6 +10,7 @@
 #include "mpm_solver/checks/varying_values.hpp"
 #include "mpm_solver/mpm_config.hpp"
 #include "mpm_solver/mpm_solver.hpp"
+#include "mpm_solver/placed_soil.hpp"
 #include "mpm_solver/ranks/rank_advice.hpp"
 
 namespace gabion {
@@ -21,6 +22,21 @@ std::unique_ptr<Solver> make_solver(const Scene& scene, ConfigReader& in, MPI_Co
                                     const std::string& output_folder, AloneSettings* alone) {
   return std::make_unique<mpm::MpmSolver<dim>>(comm, mpm::read_mpm_settings<dim>(scene, in, alone),
                                                output_folder);
+}
+
+// Interfaces of a coupled soil may begin displaced.
+template <int dim>
+std::unique_ptr<Solver> make_placed(const Scene& scene, ConfigReader& in, MPI_Comm comm,
+                                    const std::string& output_folder) {
+  return std::make_unique<mpm::PlacedSoil<dim>>(
+      comm, mpm::read_mpm_settings<dim>(scene, in, nullptr), output_folder);
+}
+
+std::unique_ptr<Solver> make_soil(const Scene& scene, ConfigReader& in, MPI_Comm comm,
+                                  const std::string& output_folder, AloneSettings* alone) {
+  if (alone != nullptr) return make_mpm_solver(scene, in, comm, output_folder, alone);
+  return in.integer("dimension") == 2 ? make_placed<2>(scene, in, comm, output_folder)
+                                      : make_placed<3>(scene, in, comm, output_folder);
 }
 
 template <int dim>
@@ -85,7 +101,7 @@ void run_mpm(const ProgramOptions& options, const MpiSession& session) {
     if (session.is_root()) write_varying_table(options);
     return;
   }
-  run_solver_program({"mpm_solver", mpm::mpm_keys(), make_mpm_solver}, options, session);
+  run_solver_program({"mpm_solver", mpm::mpm_keys(), make_soil}, options, session);
 }
 
 }  // namespace gabion

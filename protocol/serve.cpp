@@ -2,6 +2,7 @@
 #include "protocol/serve.hpp"
 
 #include "common/base/timer.hpp"
+#include "common/run/start.hpp"
 #include "protocol/participant/state_machine.hpp"
 #include "protocol/wire/exchange.hpp"
 
@@ -17,6 +18,11 @@ class DrivenSolver final : public RequestHandler {
   Answer set_force_kinds(const ForceKinds& kinds) override {
     solver_.set_force_kinds(kinds);
     return new_message("force_kinds_set");
+  }
+
+  Answer set_start(const InterfaceValues& displacements) override {
+    gabion::set_start(solver_, displacements);
+    return start_set(solver_.probes());
   }
 
   Answer solve_step(const StepRequest& step, InterfaceValues received) override {

@@ -96,6 +96,16 @@ void RankedSolver::set_force_kinds(const ForceKinds& kinds) {
   together([&] { inner_.set_force_kinds(kinds); });
 }
 
+InterfaceValues RankedSolver::start_displacements() const {
+  InterfaceValues start;
+  together([&] { start = gabion::start_displacements(inner_); });
+  return start;
+}
+
+void RankedSolver::set_start(const InterfaceValues& displacements) {
+  together([&] { gabion::set_start(inner_, displacements); });
+}
+
 StepReport RankedSolver::solve_step(const StepRequest& request, const InterfaceValues& received,
                                     InterfaceValues& sent) {
   StepReport report;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/run/solver.hpp"
+#include "common/run/start.hpp"
 #include "solver_program/mpi_traffic.hpp"
 
 namespace gabion {
@@ -16,7 +17,7 @@ namespace gabion {
 /// an error on any of them becomes one on all, the worst one. On one rank every call goes straight
 /// through.
 /// @note Functions are collective; the solver's own answers are there on every rank.
-class RankedSolver final : public Solver {
+class RankedSolver final : public Solver, public DisplacedAtStart, public TakesStart {
  public:
   /// @param inner  outlives this object
   RankedSolver(MPI_Comm comm, Solver& inner);
@@ -25,6 +26,9 @@ class RankedSolver final : public Solver {
   std::vector<std::string> probe_names() const override { return inner_.probe_names(); }
   bool takes_force_kinds() const override { return inner_.takes_force_kinds(); }
   void set_force_kinds(const ForceKinds& kinds) override;
+  InterfaceValues start_displacements() const override;
+  bool takes_start() const override { return gabion::takes_start(inner_); }
+  void set_start(const InterfaceValues& displacements) override;
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override;

@@ -90,6 +90,7 @@ void serve_on_ranks(MPI_Comm comm, Solver& inner, const ParticipantSettings& set
                     const std::function<void(const Connection&)>& welcomed) {
   RankedSolver solver(comm, inner);
   const std::vector<double> probes = solver.probes();
+  const InterfaceValues start = solver.start_displacements();
   if (rank_of(comm) != 0) {
     FollowingRequests requests(comm);
     answer_requests(solver, settings.receives, settings.sends, requests);
@@ -102,7 +103,9 @@ void serve_on_ranks(MPI_Comm comm, Solver& inner, const ParticipantSettings& set
                            .probe_names = solver.probe_names(),
                            .probes = probes,
                            .keeps_state = solver.keeps_state(),
-                           .takes_force_kinds = solver.takes_force_kinds()});
+                           .takes_force_kinds = solver.takes_force_kinds(),
+                           .start = start,
+                           .takes_start = solver.takes_start()});
     welcomed(*connection);
   } catch (const std::exception& problem) {
     end_followers(comm, problem.what());
@@ -227,7 +230,9 @@ void run_solver_program(const SolverProgram& program, const ProgramOptions& opti
   const bool has_coupler = session.launched_with("coupler") || !options.coupler.empty();
   if (options.check && (is_alone || !has_coupler)) {
     AloneSettings alone;
-    program.make(scene, reader, session.comm(), "", is_alone ? &alone : nullptr);
+    const auto solver =
+        program.make(scene, reader, session.comm(), "", is_alone ? &alone : nullptr);
+    solver->summary();  // refuses a soil that could begin only beside a structure that is not here
     if (is_alone) load_checkpoint(run);
     log::info("{}: valid", scene.path(entry.file));
   } else if (is_alone) {

@@ -2,6 +2,7 @@
 #include "coupler/checks/driven_participant.hpp"
 
 #include "common/base/error.hpp"
+#include "common/run/start.hpp"
 
 namespace gabion {
 
@@ -10,6 +11,12 @@ void DrivenParticipant::tell_force_kinds() {
   ForceKinds kinds;
   for (const InterfaceMesh& mesh : meshes_) kinds[mesh.name] = ForceKind::step_mean;
   solver_.set_force_kinds(kinds);
+}
+
+void DrivenParticipant::tell_start() {
+  InterfaceValues start;
+  for (const InterfaceMesh& mesh : meshes_) start[mesh.name].assign(mesh.coordinates.size(), 0.0);
+  set_start(solver_, start);
 }
 
 InterfaceValues DrivenParticipant::random_values() {

@@ -22,6 +22,9 @@ class DrivenParticipant {
   /// Tell a structure that asks for kinds of force that all of them are means of a step: the kind
   /// that needs the force of the step before, which then belongs to the accepted state.
   void tell_force_kinds();
+  /// Tell a soil that asks for it where its interfaces start: not displaced, so that no soil can
+  /// lie inside of them that did not before.
+  void tell_start();
   /// The values are the same in every check, and others at every call.
   InterfaceValues random_values();
 

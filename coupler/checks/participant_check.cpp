@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/run/start.hpp"
 #include "coupler/checks/check_table.hpp"
 #include "coupler/checks/driven_participant.hpp"
 
@@ -30,6 +31,10 @@ class ParticipantCheck {
       if (participant_.solver().takes_force_kinds()) {
         table_.expect_done("forces that are means of a step, from here on",
                            [this] { participant_.tell_force_kinds(); });
+      }
+      if (takes_start(participant_.solver())) {
+        table_.expect_done("interfaces that start at their reference places",
+                           [this] { participant_.tell_start(); });
       }
       table_.expect_done("output at time 0", [this] { participant_.write_output(); });
       try_first_step();

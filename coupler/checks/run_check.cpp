@@ -9,6 +9,7 @@
 
 #include "common/base/log.hpp"
 #include "coupler/checks/surface_check.hpp"
+#include "coupler/step/start.hpp"
 
 namespace gabion {
 
@@ -47,6 +48,19 @@ std::vector<InterfaceSettings> shared_interfaces(const CouplerSettings& settings
   return shared;
 }
 
+/// Soils look at their start where the structures begin.
+void check_start(const CouplerSettings& settings, const Solvers& solvers, const InterfaceMap& map) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(map.size());
+  for (const ParticipantRole& role : settings.participants) {
+    if (!role.sends_force) put_start(*solvers.at(role.name), map.layout(role.name), x);
+  }
+  if (x.isZero(0)) return;
+  const Eigen::VectorXd u = map.soil_displacement(x);
+  for (const ParticipantRole& role : settings.participants) {
+    if (role.sends_force) tell_start(*solvers.at(role.name), map.layout(role.name), u);
+  }
+}
+
 void check_surfaces(const CouplerSettings& settings, const Solvers& solvers, const Scene& scene) {
   const std::vector<InterfaceSettings> shared = shared_interfaces(settings, solvers);
   std::map<std::string, std::vector<InterfaceMesh>> meshes;
@@ -67,6 +81,7 @@ void check_surfaces(const CouplerSettings& settings, const Solvers& solvers, con
   if (shared.empty()) return;
   const InterfaceMap map(shared, meshes, settings.coupling.mapping);  // says how they fit
   log::info("{}D, {} unknowns on the coupled surfaces", map.dim(), map.size());
+  if (shared.size() == settings.interfaces.size()) check_start(settings, solvers, map);
 }
 
 void log_size(const CouplerSettings& settings, const Solvers& solvers) {

@@ -208,7 +208,7 @@ void CoupledStep::call_off_next() {
 
 void CoupledStep::start_at_rest() {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(sides_.map().size());
-  predictor_.accept(0, scheme_->unknowns(none, none));
+  predictor_.accept(0, scheme_->unknowns(sides_.accepted_x(), none));
 }
 
 double CoupledStep::take_acceleration_seconds() {

@@ -15,11 +15,17 @@ namespace gabion {
 ///
 /// Newmark's rule with beta = 1/4 turns exactly this into the energy of a linear side; the sum over
 /// both sides vanishes when their displacements agree and the forces are mapped conservatively. The
-/// values before the first step are u = 0, f = 0.
+/// values before the first step are f = 0 and u = 0, or where the run begins.
 class InterfaceWork {
  public:
   /// @param start_weight  of each f_n: 1/2, or 0 of a mean force
   explicit InterfaceWork(Eigen::VectorXd start_weight) : start_weight_(std::move(start_weight)) {}
+
+  /// Begin displaced. @param u  of the size of accept() [m]
+  void start(const Eigen::VectorXd& u) {
+    u_ = u;
+    f_ = Eigen::VectorXd::Zero(u.size());
+  }
 
   /// @param u, f  [m], [N] at the end of an accepted step, of equal and constant size
   /// @returns     W of this step [J] (2D: per metre of thickness)

@@ -9,6 +9,7 @@
 #include "common/base/require.hpp"
 #include "common/settings/scene.hpp"
 #include "coupler/state_vectors.hpp"
+#include "coupler/step/start.hpp"
 
 namespace gabion {
 
@@ -87,6 +88,15 @@ void Sides::tell_force_kinds() {
         "late, and energy is made where contact opens (protocol/README.md, section 3)",
         structure.name());
   }
+}
+
+void Sides::tell_start() {
+  for (const Side& structure : structures_) {
+    put_start(structure.solver(), structure.layout(), accepted_x_);
+  }
+  if (accepted_x_.isZero(0)) return;
+  const Eigen::VectorXd u = map_->soil_displacement(accepted_x_);
+  for (const Side& soil : soils_) gabion::tell_start(soil.solver(), soil.layout(), u);
 }
 
 Eigen::VectorXd Sides::soil_start_weights() const {

@@ -42,6 +42,9 @@ class Sides {
   /// Tell each structure which forces it will receive, before the first step. Warns of structures
   /// that take mean forces as those of the end of the step.
   void tell_force_kinds();
+  /// Take the displacements with which the structures begin as the accepted x, and tell the soils
+  /// where their interfaces are, before the first step of a run that is no restart.
+  void tell_start();
   /// Weights of the forces at the start of a step in its work, see InterfaceWork; of the soils'
   /// values, and of the structures' as they take them.
   Eigen::VectorXd soil_start_weights() const;

@@ -111,6 +111,13 @@ void MatrixSolver<dim>::set_motion(Eigen::VectorXd u, Eigen::VectorXd v) {
 }
 
 template <int dim>
+InterfaceValues MatrixSolver<dim>::start_displacements() const {
+  std::vector<double> u(structure_.unknown_of.size(), 0.0);
+  for (const auto& wet : wet_components_) u[wet.dof] = state_.u[wet.coordinate];
+  return wet_surfaces_.displacements(u);
+}
+
+template <int dim>
 StepReport MatrixSolver<dim>::solve_step(const StepRequest& request,
                                          const InterfaceValues& received, InterfaceValues& sent) {
   require(request.dt > 0, "step {}: found dt {}, allowed: dt > 0", request.step, request.dt);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/run/solver.hpp"
+#include "common/run/start.hpp"
 #include "common/settings/scene.hpp"
 #include "fem_solver/interface/wet_surfaces.hpp"
 #include "fem_solver/matrices/coordinates.hpp"
@@ -21,7 +22,7 @@ namespace gabion::fem {
 /// gives their displacements at the cost of a back substitution (README.md).
 /// @note Each rank of `comm` does the same.
 template <int dim>
-class MatrixSolver final : public Solver {
+class MatrixSolver final : public Solver, public DisplacedAtStart {
  public:
   /// @param output_folder  folder of the frames; empty: none are written
   /// @throws ConfigError       wrong files or contradictory settings
@@ -33,6 +34,7 @@ class MatrixSolver final : public Solver {
   std::vector<std::string> probe_names() const override { return report_.probe_names(); }
   bool takes_force_kinds() const override { return true; }
   void set_force_kinds(const ForceKinds& kinds) override { wet_surfaces_.set_force_kinds(kinds); }
+  InterfaceValues start_displacements() const override;
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override;

@@ -22,6 +22,9 @@ namespace {
 // Soil within this many cells of a surface is near it.
 constexpr double near_cells = 2;
 
+// By so much facets of a cell's length are longer where a structure begins displaced.
+constexpr double strain_at_start = 1e-3;
+
 // Neighbours that turn by more than 2 degrees are curved, by more than 60 degrees a corner.
 constexpr double flat_cosine = 0.99939, corner_cosine = 0.5;
 
@@ -237,7 +240,7 @@ std::optional<std::string> coarse_surface(const StartSurface<dim>& surface, doub
                                   [](char c) { return c != 0; });
     if (any_flat && !bent) continue;
     const double length = longest_edge<dim>(of, surface.vertices, f);
-    if (length <= (1 + 1e-6) * (bent ? 0.5 : 1) * diagonal * cell_size) continue;
+    if (length <= (1 + strain_at_start) * (bent ? 0.5 : 1) * diagonal * cell_size) continue;
     ++count;
     longest = std::max(longest, length);
   }

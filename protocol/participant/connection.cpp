@@ -10,6 +10,7 @@
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
+#include "common/run/start.hpp"
 #include "gabion_version.hpp"
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/exchange.hpp"
@@ -89,6 +90,8 @@ Hello hello_of(const ParticipantSettings& settings, const Introduction& introduc
   hello.probes = introduction.probes;
   hello.keeps_state = introduction.keeps_state;
   hello.takes_force_kinds = introduction.takes_force_kinds;
+  hello.start = introduction.start;
+  hello.takes_start = introduction.takes_start;
   hello.takes_next_step = true;  // requests are taken from the socket one by one
   return hello;
 }
@@ -98,7 +101,9 @@ void Connection::handshake(const Solver& solver) {
              .probe_names = solver.probe_names(),
              .probes = solver.probes(),
              .keeps_state = solver.keeps_state(),
-             .takes_force_kinds = solver.takes_force_kinds()});
+             .takes_force_kinds = solver.takes_force_kinds(),
+             .start = start_displacements(solver),
+             .takes_start = takes_start(solver)});
 }
 
 void Connection::handshake(const Introduction& introduction) {

@@ -50,6 +50,8 @@ struct Introduction {
   std::vector<double> probes;      ///< values in the initial state, as many as names
   bool keeps_state = false;        ///< requests "save" and "load" will be answered
   bool takes_force_kinds = false;  ///< request "set_force_kinds" will be answered
+  InterfaceValues start = {};      ///< displacements in the initial state, where any is not zero
+  bool takes_start = false;        ///< request "set_start" will be answered
 };
 
 /// What a participant says of itself; the connection adds its session and process.

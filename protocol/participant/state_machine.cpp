@@ -11,6 +11,10 @@
 
 namespace gabion {
 
+RequestHandler::Answer RequestHandler::set_start(const InterfaceValues&) {
+  throw ProtocolError("the coupler asked for \"set_start\" of a participant that takes none");
+}
+
 const std::vector<StateMachine::Rule>& StateMachine::rules() {
   static const std::vector<Rule> all = {
       {"solve_step", true, &StateMachine::solve},
@@ -22,6 +26,7 @@ const std::vector<StateMachine::Rule>& StateMachine::rules() {
       {"load", false, &StateMachine::load},
       {"finish", true, &StateMachine::finish},
       {"set_force_kinds", false, &StateMachine::set_force_kinds},
+      {"set_start", false, &StateMachine::set_start},
   };
   return all;
 }
@@ -50,6 +55,12 @@ std::optional<Message> StateMachine::handle(Message request) {
 
 StateMachine::Answer StateMachine::set_force_kinds(Message request) {
   return handler_.set_force_kinds(read_force_kinds(request, interfaces_));
+}
+
+StateMachine::Answer StateMachine::set_start(Message request) {
+  require<ProtocolError>(!order_.has_begun(),
+                         "the coupler asked for \"set_start\" after an accepted step");
+  return handler_.set_start(read_values(std::move(request), receives_, interfaces_));
 }
 
 /// Solve from the accepted state, whatever was solved before.

@@ -18,6 +18,8 @@ class RequestHandler {
   virtual ~RequestHandler() = default;
 
   virtual Answer set_force_kinds(const ForceKinds& kinds) = 0;
+  /// @param displacements  of the interfaces in the initial state
+  virtual Answer set_start(const InterfaceValues& displacements);
   virtual Answer solve_step(const StepRequest& step, InterfaceValues received) = 0;
   virtual Answer accept_step(const StepRequest& step, bool solved) = 0;
   virtual Answer reject_step() = 0;
@@ -62,6 +64,7 @@ class StateMachine {
   static const std::vector<Rule>& rules();
 
   Answer set_force_kinds(Message request);
+  Answer set_start(Message request);
   Answer solve(Message request);
   Answer accept(Message request);
   Answer reject(Message request);

@@ -21,6 +21,8 @@ class StepOrder {
   void reject() { solution_.reset(); }
   /// The accepted state is now one that was loaded, of any step.
   void forget() { *this = StepOrder(); }
+  /// Whether a step was accepted, since the last state was loaded.
+  bool has_begun() const { return accepted_.has_value(); }
   bool has_solution() const { return solution_.has_value(); }
 
  private:

@@ -22,6 +22,12 @@ void RemoteSolver::set_force_kinds(const ForceKinds& kinds) {
   call(to_message(kinds), "force_kinds_set");
 }
 
+void RemoteSolver::set_start(const InterfaceValues& displacements) {
+  Message message = new_message("set_start");
+  put_values(message, hello_.receives.name, hello_.interfaces, displacements);
+  take_probes(call(std::move(message), "start_set"));
+}
+
 StepReport RemoteSolver::solve_step(const StepRequest& request, const InterfaceValues& received,
                                     InterfaceValues& sent) {
   start_solve(request, received);
@@ -144,7 +150,10 @@ State RemoteSolver::save_state_to(const std::string& path) {
 void RemoteSolver::load_state(const State& state) {
   Message message = new_message("load");
   put(message, state);
-  const Message reply = call(std::move(message), "loaded");
+  take_probes(call(std::move(message), "loaded"));
+}
+
+void RemoteSolver::take_probes(const Message& reply) {
   probes_ = switchboard_.guarded([&] {
     return reply.reals("probes", {static_cast<std::int64_t>(hello_.probe_names.size())});
   });

@@ -9,6 +9,7 @@
 
 #include "common/base/timer.hpp"
 #include "common/run/asynchronous_solver.hpp"
+#include "common/run/start.hpp"
 #include "protocol/server/switchboard.hpp"
 #include "protocol/wire/handshake.hpp"
 
@@ -18,7 +19,7 @@ namespace gabion {
 /// where both solvers shall work at once, use the start_/finish_ pairs.
 ///
 /// All calls throw ProtocolError when the participant is lost; the coupling is over then.
-class RemoteSolver : public AsynchronousSolver {
+class RemoteSolver : public AsynchronousSolver, public DisplacedAtStart, public TakesStart {
  public:
   /// @param switchboard  must outlive this
   RemoteSolver(Switchboard& switchboard, Hello hello);
@@ -31,6 +32,9 @@ class RemoteSolver : public AsynchronousSolver {
 
   bool takes_force_kinds() const override { return hello_.takes_force_kinds; }
   void set_force_kinds(const ForceKinds& kinds) override;
+  InterfaceValues start_displacements() const override { return hello_.start; }
+  bool takes_start() const override { return hello_.takes_start; }
+  void set_start(const InterfaceValues& displacements) override;
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override;
@@ -64,6 +68,7 @@ class RemoteSolver : public AsynchronousSolver {
   void send(Message request) const;
   Message finish(const std::vector<std::string>& allowed) const;
   Message call(Message request, const std::string& reply) const;
+  void take_probes(const Message& reply);
   void note_times(const Message& reply) const;
 
   struct Outstanding {

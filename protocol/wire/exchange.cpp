@@ -164,6 +164,12 @@ Message loaded(const std::vector<double>& probes) {
   return message;
 }
 
+Message start_set(const std::vector<double>& probes) {
+  Message message = new_message("start_set");
+  message.add("probes", {static_cast<std::int64_t>(probes.size())}, probes);
+  return message;
+}
+
 State read_state(const Message& message) {
   State state;
   state.facts = object_field(message, "state");

@@ -44,6 +44,8 @@ void put(Message& message, const State& state);
 /// Replies to "save" and "load".
 Message saved(const State& state);
 Message loaded(const std::vector<double>& probes);
+/// Reply to "set_start".
+Message start_set(const std::vector<double>& probes);
 /// Arrays of other names are left out.
 State read_state(const Message& message);
 

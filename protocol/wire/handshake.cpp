@@ -96,6 +96,22 @@ InterfaceMesh read_interface(const Message& hello, const Message& description, i
   return mesh;
 }
 
+std::string start_array(const InterfaceMesh& mesh) {
+  return displacement().name + ":" + mesh.name;
+}
+
+/// Displacements in the initial state, of the interfaces that have any.
+InterfaceValues read_start(const Message& hello, const std::vector<InterfaceMesh>& interfaces) {
+  InterfaceValues start;
+  for (const InterfaceMesh& mesh : interfaces) {
+    const std::string array = start_array(mesh);
+    if (!hello.has_array(array)) continue;
+    start[mesh.name] = hello.reals(array, {mesh.num_vertices(), mesh.dim});
+    require_finite(start[mesh.name], static_cast<std::size_t>(mesh.dim), array);
+  }
+  return start;
+}
+
 /// Names of columns in tables. @param more  characters that are allowed beside those of plain names
 void require_names(const char* what, const std::vector<std::string>& names,
                    const std::string& more) {
@@ -118,28 +134,24 @@ bool is_participant_name(const std::string& text) {
 
 Message to_message(const Hello& hello) {
   Message out = new_message("hello");
-  out.fields = {{"protocol", hello.protocol},
-                {"participant", hello.participant},
-                {"program", hello.program},
-                {"program_version", hello.program_version},
-                {"session", hello.session},
-                {"scene_hash", hello.scene_hash},
-                {"dimension", hello.dimension},
-                {"receives", to_json(hello.receives)},
-                {"sends", to_json(hello.sends)},
-                {"convention", hello.convention},
-                {"interfaces", Json::array()},
-                {"probe_names", hello.probe_names},
-                {"heartbeat", hello.sends_heartbeat},
-                {"process", to_json(hello.process)},
-                {"keeps_state", hello.keeps_state},
-                {"takes_force_kinds", hello.takes_force_kinds},
-                {"takes_next_step", hello.takes_next_step}};
+  out.fields = {
+      {"protocol", hello.protocol},         {"participant", hello.participant},
+      {"program", hello.program},           {"program_version", hello.program_version},
+      {"session", hello.session},           {"scene_hash", hello.scene_hash},
+      {"dimension", hello.dimension},       {"receives", to_json(hello.receives)},
+      {"sends", to_json(hello.sends)},      {"convention", hello.convention},
+      {"interfaces", Json::array()},        {"probe_names", hello.probe_names},
+      {"heartbeat", hello.sends_heartbeat}, {"process", to_json(hello.process)},
+      {"keeps_state", hello.keeps_state},   {"takes_force_kinds", hello.takes_force_kinds},
+      {"takes_start", hello.takes_start},   {"takes_next_step", hello.takes_next_step}};
   for (const InterfaceMesh& mesh : hello.interfaces) {
     out.fields["interfaces"].push_back({{"name", mesh.name},
                                         {"vertices_per_facet", mesh.vertices_per_facet},
                                         {"force_kind", name(mesh.force_kind)}});
     out.add("coordinates:" + mesh.name, {mesh.num_vertices(), mesh.dim}, mesh.coordinates);
+    if (const auto start = hello.start.find(mesh.name); start != hello.start.end()) {
+      out.add(start_array(mesh), {mesh.num_vertices(), mesh.dim}, start->second);
+    }
     if (mesh.vertices_per_facet == 0) continue;
     out.add("facets:" + mesh.name,
             {static_cast<std::int64_t>(mesh.facets.size()) / mesh.vertices_per_facet,
@@ -205,6 +217,7 @@ Hello read_hello(const Message& message) {
   hello.process = read_process(message);
   for (const auto& [key, flag] : {std::pair("keeps_state", &hello.keeps_state),
                                   std::pair("takes_force_kinds", &hello.takes_force_kinds),
+                                  std::pair("takes_start", &hello.takes_start),
                                   std::pair("takes_next_step", &hello.takes_next_step)}) {
     if (message.fields.contains(key)) *flag = message.boolean(key);
   }
@@ -215,6 +228,7 @@ Hello read_hello(const Message& message) {
   for (const Message& description : descriptions) {
     hello.interfaces.push_back(read_interface(message, description, hello.dimension));
   }
+  if (hello.sends == displacement()) hello.start = read_start(message, hello.interfaces);
   return hello;
 }
 

@@ -12,7 +12,7 @@
 namespace gabion {
 
 /// Version of the wire contract, "major.minor". Majors must agree.
-inline constexpr const char* protocol_version = "1.3";
+inline constexpr const char* protocol_version = "1.4";
 
 /// The sign convention of all values on the wire; both sides must name the same one.
 inline constexpr const char* sign_convention =
@@ -49,8 +49,10 @@ struct Hello {
   std::vector<InterfaceMesh> interfaces;
   std::vector<std::string> probe_names;
   std::vector<double> probes;      ///< values in the initial state
+  InterfaceValues start;           ///< displacements there, of interfaces where any is not zero
   bool keeps_state = false;        ///< answers to "save" and "load"
   bool takes_force_kinds = false;  ///< answers to "set_force_kinds"
+  bool takes_start = false;        ///< answers to "set_start"
   bool takes_next_step = false;    ///< takes "solve_step" before it has answered "accept_step"
   bool sends_heartbeat = true;     ///< false: judged by its process and the answer deadline alone
   ProcessIdentity process;

@@ -80,7 +80,7 @@ def process_faults() -> list[Cell]:
 
 def handshake_faults() -> list[Cell]:
     refused = {
-        "wrong_version": ("was refused", "protocol version: coupler 1.3, participant 2.0"),
+        "wrong_version": ("was refused", "protocol version: coupler 1.4, participant 2.0"),
         "refused_scene": ("was refused", "scene hash: coupler", "participant 0123"),
         "started_twice": ("was refused", "is connected already"),
         "wrong_sizes": ('participant "WHO" was refused', 'a facet names vertex 3, there are 3'),

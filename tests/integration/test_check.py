@@ -144,10 +144,10 @@ class Soil(CheckCase):
     def test_a_reversed_surface(self) -> None:
         files = meeting()
         files["mpm"]["interfaces"][0]["surface"]["polyline"].reverse()
-        self.refused(files, "mpm.json: at /interfaces/0/surface", '"wall"', "behind it", "reverse the order")
+        words = "scene/coupler.json: at /interfaces/0: ", '"wall"', "normals that agree", "the order of the soil's polyline"
+        self.refused(files, *words)
         files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.08, 0], high=[0.16, 0.06])  # far from it
-        self.refused(files, "scene/coupler.json: at /interfaces/0: ", '"wall"', "normals that agree",
-                     "reverse the order of the soil's polyline")
+        self.refused(files, *words)
 
     def test_a_structure_outside_the_grid(self) -> None:
         files = meeting()
@@ -155,7 +155,7 @@ class Soil(CheckCase):
         surface["polyline"] = [[x + 5, y] for x, y in surface["polyline"]]
         files["fem"]["mesh"]["box"].update(low=[5.25, 0], high=[5.26, 0.05])
         files["fem"]["probes"] = []
-        self.refused(files, "mpm.json: at /interfaces/0/surface", '"wall"', "from (5.25, 0) to (5.26, 0.05)",
+        self.refused(files, "mpm.json: at /interfaces/0/surface", '"wall"', "from (5.25, 0) to (5.26, 0.0499865)",
                      "outside the background grid", "(0.4, 0.16)")
 
     def test_soil_on_both_sides_of_a_thin_wall(self) -> None:

@@ -30,10 +30,10 @@ class Handshake(IntegrationCase):
 
     def test_another_major_version_is_refused(self) -> None:
         said, answer = self.with_fake("2.0")
-        words = ("structure", "was refused", "protocol version: coupler 1.3, participant 2.0")
+        words = ("structure", "was refused", "protocol version: coupler 1.4, participant 2.0")
         self.assert_says(said, "[cpl] error: ", *words)
         self.assert_says((self.out / "coupler.log").read_text(), *words)
-        self.assert_says(answer, "refused", "protocol version: coupler 1.3, participant 2.0")
+        self.assert_says(answer, "refused", "protocol version: coupler 1.4, participant 2.0")
 
     def test_another_minor_version_is_welcome(self) -> None:
         """Which shows that it was the version that the test above was refused for."""

@@ -88,7 +88,7 @@ class FakeCoupler:
             self.send(Message("alive", 1, {"phase": "handshake", "seconds": 0.0}))
         process = this_process().to_fields()
         self.send(Message("welcome", fields={
-            "protocol": "1.3", "program_version": "test", "process": process, "silence_deadline": 50.0,
+            "protocol": "1.4", "program_version": "test", "process": process, "silence_deadline": 50.0,
             "idle_deadline": 50.0, "heartbeat": 0.1, "run": {"end": 1.0}} | changes))
         return hello
 

@@ -97,6 +97,20 @@ class KindSpring(Spring):
         self.calls.append(f"kinds {kinds}")
 
 
+class DisplacedSpring(Spring):
+    """Starts in equilibrium with a load: displaced."""
+
+    def start_displacements(self):
+        return {"wall": np.full((3, 2), 0.25)}
+
+
+class PlacedSoil(Spring):
+    """Wants to know where its interfaces begin."""
+
+    def set_start(self, displacements):
+        self.calls.append(f"start {displacements['wall'].tolist()}")
+
+
 class Serve(ParticipantCase):
     def begin(self, solver: Spring | None = None, **changes) -> Message:
         self.solver = solver or Spring()
@@ -142,6 +156,37 @@ class Serve(ParticipantCase):
             hello = self.begin(solver)
             self.assertIs(hello.fields["takes_force_kinds"], isinstance(solver, KindSpring))
             self.coupler.request("set_force_kinds", kinds=kinds)
+            self.assertIn(text, self.coupler.receive().fields["reason"])
+            self.assertIn(text, self.end())
+            self.coupler.begin_again()
+
+    def test_a_structure_says_where_it_starts(self) -> None:
+        hello = self.begin(DisplacedSpring())
+        np.testing.assert_array_equal(hello.arrays["displacement:wall"], np.full((3, 2), 0.25))
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.coupler.begin_again()
+        self.assertNotIn("displacement:wall", self.begin().arrays)
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+
+    def test_a_soil_is_told_where_it_starts(self) -> None:
+        hello = self.begin(PlacedSoil(), receives="displacement")
+        self.assertIs(hello.fields["takes_start"], True)
+        start = {"displacement:wall": np.array([[0.0, 0.5], [1.0, 1.5], [2.0, 2.5]])}
+        reply = self.coupler.ask("set_start", start)
+        self.assertEqual(reply.type, "start_set")
+        self.assertIn("probes", reply.arrays)
+        self.coupler.ask("finish")
+        self.assertEqual(self.end(), "")
+        self.assertEqual(self.solver.calls, ["start [[0.0, 0.5], [1.0, 1.5], [2.0, 2.5]]"])
+
+    def test_a_start_that_cannot_be_is_refused(self) -> None:
+        for solver, arrays, text in ((Spring(), np.zeros((3, 2)), "of a participant that takes none"),
+                                     (PlacedSoil(), np.zeros((2, 2)), "shape")):
+            hello = self.begin(solver, receives="displacement")
+            self.assertIs(hello.fields["takes_start"], isinstance(solver, PlacedSoil))
+            self.coupler.request("set_start", {"displacement:wall": arrays})
             self.assertIn(text, self.coupler.receive().fields["reason"])
             self.assertIn(text, self.end())
             self.coupler.begin_again()
@@ -482,7 +527,7 @@ class Handshake(ParticipantCase):
     def test_another_major_version(self) -> None:
         self.start(lambda: serve(Spring(), self.settings()))
         self.coupler.welcome(protocol="2.0")
-        self.assertIn("protocol version: coupler 2.0, participant 1.3", self.end())
+        self.assertIn("protocol version: coupler 2.0, participant 1.4", self.end())
 
     def test_versions_that_are_none(self) -> None:
         for version in ("1" * 5000 + ".0", "2147483648.0", "-1.0", "\u0663.0", "1"):

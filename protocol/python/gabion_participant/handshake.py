@@ -15,7 +15,7 @@ from .process import ProcessIdentity, this_process
 from .solver import (END_OF_STEP, STEP_MEAN, AcceptReport, InterfaceMesh, InterfaceValues, StepReport,
                      StepRequest)
 
-PROTOCOL_VERSION = "1.3"
+PROTOCOL_VERSION = "1.4"
 SIGN_CONVENTION = "displacement: total from reference; force: by soil on structure"
 UNITS = {"displacement": "m", "force": "N"}
 NAME = re.compile(r"[A-Za-z0-9_.-]{1,64}")
@@ -96,13 +96,16 @@ def check_interfaces(interfaces: Sequence[InterfaceMesh], dimension: int) -> Non
 @dataclass
 class Introduction:
     """What a solver says of itself. `probes`: values in the initial state, as many as names. `keeps_state`:
-    it answers "save" and "load"; `takes_force_kinds`: it answers "set_force_kinds"."""
+    it answers "save" and "load"; `takes_force_kinds`: it answers "set_force_kinds"; `start`: displacements in the
+    initial state [m], of interfaces that begin displaced; `takes_start`: it answers "set_start"."""
 
     interfaces: Sequence[InterfaceMesh]
     probe_names: Sequence[str] = ()
     probes: Sequence[float] = ()
     keeps_state: bool = False
     takes_force_kinds: bool = False
+    start: InterfaceValues = field(default_factory=dict)
+    takes_start: bool = False
 
 
 def hello(settings: ParticipantSettings, session: str, introduction: Introduction) -> Message:
@@ -126,14 +129,26 @@ def hello(settings: ParticipantSettings, session: str, introduction: Introductio
         "probe_names": list(introduction.probe_names), "heartbeat": True,
         "process": this_process().to_fields(), "keeps_state": introduction.keeps_state,
         "takes_force_kinds": introduction.takes_force_kinds,
+        "takes_start": introduction.takes_start,
         "takes_next_step": True,  # requests are taken from the socket one by one
     })
     for mesh in interfaces:
         message.arrays[f"coordinates:{mesh.name}"] = mesh.coordinates
         if mesh.facets is not None:
             message.arrays[f"facets:{mesh.name}"] = mesh.facets
+    put_start(message, interfaces, introduction.start)
     message.arrays["probes"] = np.array(probes, dtype="<f8")
     return message
+
+
+def put_start(message: Message, interfaces: Sequence[InterfaceMesh], start: InterfaceValues) -> None:
+    """Displacements in the initial state, where any is not zero. Raises as put_values()."""
+    unknown = set(start) - {mesh.name for mesh in interfaces}
+    if unknown:
+        raise UsageError(f"start_displacements: found interfaces {sorted(unknown)}, "
+                         f"allowed: {sorted(mesh.name for mesh in interfaces)}")
+    displaced = [mesh for mesh in interfaces if np.any(start.get(mesh.name, 0.0))]
+    put_values(message, "displacement", displaced, {mesh.name: start[mesh.name] for mesh in displaced})
 
 
 def major_version(version: str) -> int:
@@ -261,3 +276,7 @@ def read_state(message: Message) -> bytes:
 
 def loaded(probes: Sequence[float]) -> Message:
     return Message("loaded", arrays={"probes": np.array(probes, dtype="<f8")})
+
+
+def start_set(probes: Sequence[float]) -> Message:
+    return Message("start_set", arrays={"probes": np.array(probes, dtype="<f8")})

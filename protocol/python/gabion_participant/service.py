@@ -8,7 +8,7 @@ from typing import Any
 from .connection import Connection
 from .errors import ConvergenceError, ProtocolError, UsageError, says_all, text_of
 from .handshake import (PROTOCOL_VERSION, Introduction, ParticipantSettings, accepted, loaded, plain,
-                        put_values, read_state, saved, solved)
+                        put_values, read_state, saved, solved, start_set)
 from .message import Message
 from .solver import AcceptReport, InterfaceValues, Solver, StepReport, StepRequest
 from .state_machine import RequestHandler, StateMachine
@@ -25,6 +25,11 @@ def keeps_state(solver: Solver) -> bool:
 def takes_force_kinds(solver: Solver) -> bool:
     """Whether the solver has a function of its own in place of that which only raises."""
     return type(solver).set_force_kinds is not Solver.set_force_kinds
+
+
+def takes_start(solver: Solver) -> bool:
+    """Whether the solver has a function of its own in place of that which only raises."""
+    return type(solver).set_start is not Solver.set_start
 
 
 def checked_solution(answer: Any) -> tuple[InterfaceValues, StepReport]:
@@ -80,6 +85,12 @@ class Service(RequestHandler):
         self._call("set_force_kinds", kinds)
         return Message("force_kinds_set")
 
+    def set_start(self, displacements: InterfaceValues) -> Message:
+        if not takes_start(self._solver):
+            raise ProtocolError('the coupler asked for "set_start" of a participant that takes none')
+        self._call("set_start", displacements)
+        return start_set(self._call("probes"))
+
     def solve_step(self, step: StepRequest, received: InterfaceValues) -> Message:
         try:
             values, report = checked_solution(self._call("solve_step", step, received))
@@ -131,8 +142,11 @@ def serve(solver: Solver, settings: ParticipantSettings) -> None:
 
 def introduce(solver: Solver, connection: Connection) -> None:
     """The handshake, with what the solver says of itself."""
+    sends_displacement = connection.settings.sends == "displacement"
     connection.handshake(Introduction(solver.interfaces(), solver.probe_names(), solver.probes(),
-                                      keeps_state(solver), takes_force_kinds(solver)))
+                                      keeps_state(solver), takes_force_kinds(solver),
+                                      solver.start_displacements() if sends_displacement else {},
+                                      takes_start(solver)))
 
 
 def reason(problem: BaseException, under_way: str) -> str:

@@ -107,6 +107,18 @@ class Solver(ABC):
         of the step, and the coupler warns."""
         raise NotImplementedError
 
+    def start_displacements(self) -> InterfaceValues:
+        """Displacements of the interfaces in the initial state [m], of a structure that begins displaced, such as
+        in equilibrium with its weight; interfaces without any may be missing. Optional."""
+        return {}
+
+    def set_start(self, displacements: InterfaceValues) -> None:
+        """Where the interfaces of a soil begin [m]. Optional. Comes before the first step of a run that is no
+        restart (a saved state has it), and only if any is displaced. What solve_step receives remains the
+        displacement from the reference. Without it the soil learns of them in its first step, and the coupler
+        warns."""
+        raise NotImplementedError
+
     def reject_step(self) -> None:
         """Forget the last solution. Nothing to do where solve_step starts from the accepted state anyway."""
 

@@ -18,6 +18,10 @@ class RequestHandler(ABC):
     def set_force_kinds(self, kinds: dict[str, str]) -> Message | None:
         """Which forces will be received, by interface."""
 
+    def set_start(self, displacements: InterfaceValues) -> Message | None:
+        """Where the interfaces begin."""
+        raise ProtocolError('the coupler asked for "set_start" of a participant that takes none')
+
     @abstractmethod
     def solve_step(self, step: StepRequest, received: InterfaceValues) -> Message | None:
         """Solve from the accepted state."""
@@ -74,7 +78,8 @@ class StateMachine:
             "reject_step": (self._reject, True), "write_output": (self._write, True),
             "summarize": (lambda _: handler.summarize(), True),
             "save": (lambda _: handler.save_state(), False), "load": (self._load, False),
-            "set_force_kinds": (self._set_force_kinds, False), "finish": (self._finish, True)}
+            "set_force_kinds": (self._set_force_kinds, False), "set_start": (self._set_start, False),
+            "finish": (self._finish, True)}
 
     def handle(self, request: Message) -> Message | None:
         """Have the request done. Returns the answer; None: it follows later. Raises ProtocolError: not known,
@@ -92,6 +97,11 @@ class StateMachine:
 
     def _set_force_kinds(self, request: Message) -> Message | None:
         return self._handler.set_force_kinds(read_force_kinds(request, self._interfaces))
+
+    def _set_start(self, request: Message) -> Message | None:
+        if self._order.has_begun:
+            raise ProtocolError('the coupler asked for "set_start" after an accepted step')
+        return self._handler.set_start(read_values(request, self._receives, self._interfaces))
 
     def _solve(self, request: Message) -> Message | None:
         if not is_asked_for(request, self._proposed_dt):

@@ -19,6 +19,11 @@ class StepOrder:
     def has_solution(self) -> bool:
         return self._solution is not None
 
+    @property
+    def has_begun(self) -> bool:
+        """Whether a step was accepted, since the last state was loaded."""
+        return self._accepted is not None
+
     def check(self, request: StepRequest) -> None:
         """Check the request before a solution, and before a step that is accepted without one."""
         if not self._accepted:

@@ -107,6 +107,9 @@ class Structure(Solver):
     def interfaces(self) -> list[InterfaceMesh]:
         return [InterfaceMesh(surface.name, surface.coordinates, surface.facets) for surface in self.surfaces]
 
+    def start_displacements(self) -> InterfaceValues:
+        return self.wet_displacements()
+
     def set_force_kinds(self, kinds: Mapping[str, str]) -> None:
         self.mean_forces = {name for name, kind in kinds.items() if kind == STEP_MEAN}
 
@@ -122,7 +125,7 @@ class Structure(Solver):
         loads = loads_of(self.surfaces, self.constant_forces(self.trial_forces))
         iterations = self.run_in_increments(begin, request.dt, loads)
         self.trial = read_nodal_state(self.folder / f"{JOB}.rout")
-        values = {surface.name: self.wet_displacement(surface) for surface in self.surfaces}
+        values = self.wet_displacements()
         if not all(np.isfinite(value).all() for value in values.values()):
             raise ConvergenceError("ccx: the displacement is not finite")
         self.newton += iterations
@@ -140,8 +143,9 @@ class Structure(Solver):
                 if increments > self.settings.max_increments:
                     raise ConvergenceError(str(problem)) from problem
 
-    def wet_displacement(self, surface: WetSurface) -> np.ndarray:
-        return self.trial.displacement[surface.nodes - 1, :self.dimension]
+    def wet_displacements(self) -> InterfaceValues:
+        return {surface.name: self.trial.displacement[surface.nodes - 1, :self.dimension]
+                for surface in self.surfaces}
 
     def accept_step(self, request: StepRequest, solved: bool) -> AcceptReport:
         if solved:

@@ -48,6 +48,15 @@ void Structure<dim>::set_force_kinds(const gabion::ForceKinds& kinds) {
 }
 
 template <int dim>
+gabion::InterfaceValues Structure<dim>::start_displacements() const {
+  gabion::InterfaceValues start;
+  for (const auto& surface : surfaces_) {
+    start[surface.mesh().name] = surface.displacement(accepted_.u);
+  }
+  return start;
+}
+
+template <int dim>
 gabion::StepReport Structure<dim>::solve_step(const gabion::StepRequest& request,
                                               const gabion::InterfaceValues& received,
                                               gabion::InterfaceValues& sent) {

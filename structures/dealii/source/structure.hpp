@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <common/run/start.hpp>
 #include <protocol/serve.hpp>
 
 #include <memory>
@@ -14,7 +15,7 @@ namespace dealii_structure {
 
 /// The solid behind the coupler: it asks, these functions answer.
 template <int dim>
-class Structure final : public gabion::Solver {
+class Structure final : public gabion::Solver, public gabion::DisplacedAtStart {
  public:
   /// @throws gabion::ConfigError, gabion::ConvergenceError
   explicit Structure(const Settings& settings);
@@ -25,6 +26,7 @@ class Structure final : public gabion::Solver {
   std::vector<gabion::InterfaceMesh> interfaces() const override;
   bool takes_force_kinds() const override { return true; }
   void set_force_kinds(const gabion::ForceKinds& kinds) override;
+  gabion::InterfaceValues start_displacements() const override;
   gabion::StepReport solve_step(const gabion::StepRequest& request,
                                 const gabion::InterfaceValues& received,
                                 gabion::InterfaceValues& sent) override;

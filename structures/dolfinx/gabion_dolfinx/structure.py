@@ -77,6 +77,9 @@ class Structure(Solver):
     def interfaces(self) -> list[InterfaceMesh]:
         return [InterfaceMesh(surface.name, surface.coordinates, surface.facets) for surface in self.surfaces]
 
+    def start_displacements(self) -> InterfaceValues:
+        return self.surface_values(self.motion.u)
+
     def begin_run(self, run: Mapping[str, Any]) -> None:
         if not run.get("check") and "output" in run:
             self.output = Output(self.balance, Path(run["output"]) / self.name)

@@ -76,6 +76,9 @@ class Structure(Solver):
     def interfaces(self) -> list[InterfaceMesh]:
         return [surface.surface.interface(surface.name) for surface in self.surfaces]
 
+    def start_displacements(self) -> InterfaceValues:
+        return self.moved(self.motions)
+
     def set_force_kinds(self, kinds: Mapping[str, str]) -> None:
         self.mean_forces = {name for name, kind in kinds.items() if kind == STEP_MEAN}
 

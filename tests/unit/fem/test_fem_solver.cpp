@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/support/expect_error.hpp"
@@ -46,6 +47,19 @@ TEST(FemSolver, starts_in_equilibrium_and_stays_at_rest) {
   EXPECT_EQ(solver->state().motion.u, before.motion.u);
   EXPECT_EQ(solver->summary().at("skipped_solves"), 1);
   EXPECT_EQ(sent.at("wall").size(), 26u);
+}
+
+TEST(FemSolver, says_where_its_interfaces_start) {
+  const auto solver = fem_solver<2>(plate());
+  const InterfaceValues start = start_displacements(*solver);
+  InterfaceValues sent;
+  solver->solve_step({1, 0, 0, 0.01}, push(*solver, 0), sent);
+  ASSERT_EQ(start.size(), 1u);
+  EXPECT_EQ(start, sent);  // at rest it stays there, to the bit
+  EXPECT_NE(std::ranges::find(start.at("wall"), probe(*solver, "A.uy")), start.at("wall").end());
+  Json json = plate();
+  json["initial_equilibrium"] = false;
+  EXPECT_TRUE(start_displacements(*fem_solver<2>(json)).empty());
 }
 
 TEST(FemSolver, a_push_ends_the_rest) {

@@ -2,6 +2,7 @@
 // Every kind of disagreement is refused, and both sides are told both values.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <future>
 
 #include "dummy_solver.hpp"
@@ -109,6 +110,36 @@ TEST(Handshake, kinds_of_forces_round_trip_and_are_optional) {
   message.fields["interfaces"][0]["force_kind"] = "late";
   expect_turned_down(message,
                      {"expected force_kind \"end_of_step\" or \"step_mean\", found \"late\""});
+}
+
+TEST(Handshake, a_structure_says_where_it_starts) {
+  Hello hello = good_hello("structure");
+  const InterfaceMesh& mesh = hello.interfaces.at(0);
+  EXPECT_FALSE(to_message(hello).has_array("displacement:wall"));
+  EXPECT_TRUE(read_hello(to_message(hello)).start.empty());
+  std::vector<double> u(mesh.coordinates.size(), 1.0 / 3);
+  u.front() = -2e-300;
+  hello.start = {{"wall", u}};
+  EXPECT_EQ(read_hello(to_message(hello)).start, hello.start);
+  const auto refused = [](const Message& message) {
+    return message_of<ProtocolError>([&] { read_hello(message); });
+  };
+  hello.start["wall"].back() = std::nan("");
+  EXPECT_NE(refused(to_message(hello)).find("displacement:wall"), std::string::npos);
+  Message message = to_message(good_hello("structure"));
+  message.add("displacement:wall", {1, mesh.dim}, std::vector<double>{0, 0});
+  EXPECT_NE(refused(message).find("displacement:wall"), std::string::npos);
+}
+
+TEST(Handshake, taking_the_start_is_optional) {
+  Hello hello = good_hello("soil");
+  hello.takes_start = true;
+  Message message = to_message(hello);
+  EXPECT_TRUE(read_hello(message).takes_start);
+  message.fields.erase("takes_start");  // as before 1.4
+  EXPECT_FALSE(read_hello(message).takes_start);
+  message.fields["takes_start"] = 1;
+  expect_turned_down(message, {"field \"takes_start\": expected true or false, found 1"});
 }
 
 TEST(Handshake, kinds_of_forces_are_those_of_the_interfaces) {

@@ -7,6 +7,7 @@
 
 #include "common/checkpoint/state_file.hpp"
 #include "common/hdf5/hdf5_reader.hpp"
+#include "common/mechanics/ranks/sum.hpp"
 #include "protocol/serve.hpp"
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/exchange.hpp"
@@ -21,7 +22,7 @@ namespace gabion::test {
 namespace {
 
 /// Writes down what it was asked to do.
-class Recorder : public Solver {
+class Recorder : public Solver, public TakesStart {
  public:
   std::vector<std::string> calls;
   int failing_rank = -1;
@@ -34,6 +35,10 @@ class Recorder : public Solver {
   void set_force_kinds(const ForceKinds& kinds) override {
     calls.push_back(kinds.at("wall") == ForceKind::step_mean ? "mean forces" : "forces at the end");
     if (failing_rank == rank()) throw Error("no mean forces here");
+  }
+  void set_start(const InterfaceValues& displacements) override {
+    calls.push_back("start " + Json(displacements).dump());
+    if (failing_rank == rank()) throw ConfigError("soil inside");
   }
   StepReport solve_step(const StepRequest& r, const InterfaceValues& received,
                         InterfaceValues& sent) override {
@@ -125,6 +130,34 @@ std::vector<std::string> types_of(const std::vector<Message>& messages) {
 void expect_failure(Script& script, Solver& solver, const std::string& text) {
   const std::string told = rank() == 0 ? text : "rank 0 failed: " + text;
   expect_error<ProtocolError>([&] { follow(script, solver); }, {told});
+}
+
+Message start_request() {
+  Message request = new_message("set_start");
+  put_values(request, "force", {{"wall", 2, {0, 0}, 0, {}}}, values);
+  return request;
+}
+
+TEST(RankedSolver, all_ranks_are_told_where_the_run_starts) {
+  Recorder solver;
+  Script script({start_request(), new_message("finish")});
+  follow(script, solver);
+  EXPECT_EQ(solver.calls, std::vector<std::string>{"start " + Json(values).dump()});
+  if (rank() == 0) {
+    EXPECT_EQ(types_of(script.answers), (std::vector<std::string>{"start_set", "finished"}));
+  }
+  Recorder failing;
+  failing.failing_rank = num_ranks(comm()) - 1;
+  RankedSolver ranked(comm(), failing);
+  EXPECT_TRUE(ranked.takes_start());
+  expect_error<ConfigError>([&] { ranked.set_start(values); }, {"soil inside"});
+}
+
+TEST(RankedSolver, a_start_comes_before_the_first_accepted_step) {
+  Recorder solver;
+  Script script({solve_request(), accept_request(), start_request()});
+  expect_error<ProtocolError>([&] { follow(script, solver); },  // on all ranks
+                              {"\"set_start\" after an accepted step"});
 }
 
 TEST(RankedSolver, all_ranks_do_what_the_first_is_asked) {
