@@ -117,28 +117,5 @@ TEST(GroupRanks, number_of_ranks_does_not_change_implicit_steps) {
   check({.basis = "gimp", .scheme = "newmark", .locking = "fbar", .dt = 2e-3, .steps = 6});
 }
 
-/// A block on a bed in space, across the border between ranks.
-TEST(GroupRanks, in_space) {
-  const Json soil = elastic_soil("neo_hookean", 2e5, 0.3, 1500);
-  const Json json = {{"dimension", 3},
-                     {"grid", box({0, 0, 0}, {1, 0.6, 0.8}, {10, 6, 8}, "hex8")},
-                     {"basis", "gimp"},
-                     {"time_integration", {{"scheme", "explicit"}}},
-                     {"walls", {wall("bottom", "fixed")}},
-                     {"bodies",
-                      {body("bed", box({0.1, 0.1, 0}, {0.9, 0.5, 0.2}, {8, 4, 2}, "hex8"), 8, soil),
-                       body("block", box({0.33, 0.2, 0.2}, {0.63, 0.4, 0.4}, {3, 2, 2}, "hex8"), 8,
-                            soil, {6, 0, -1})}},
-                     {"contact_groups",
-                      {{"groups", {group("bed", {"bed"}), group("block", {"block"})}},
-                       {"pairs", {{{"groups", {"bed", "block"}}, {"friction", 0.3}}}}}}};
-  const auto shared = mpm_solver<3>(json), alone = mpm_solver<3>(json, MPI_COMM_SELF);
-  run(*shared, 5e-4, 1, 12);
-  run(*alone, 5e-4, 1, 12);
-  expect_same_points<3>(shared->points(), alone->points(), 1e-9);
-  expect_same_probes(*shared, *alone, 1e-9);
-  EXPECT_GT(probe_of(*alone, "contact.bed.block.fz"), 10);
-}
-
 }  // namespace
 }  // namespace gabion::test
