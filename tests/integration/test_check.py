@@ -145,7 +145,7 @@ class Soil(CheckCase):
         files = meeting()
         files["mpm"]["interfaces"][0]["surface"]["polyline"].reverse()
         words = ("scene/coupler.json: at /interfaces/0: ", '"wall"', "normals that agree",
-                 "the order of the soil's polyline")
+                 "reverse the order of the soil's polyline")
         self.refused(files, *words)
         files["mpm"]["bodies"][0]["mesh"]["box"].update(low=[0.08, 0], high=[0.16, 0.06])  # far from it
         self.refused(files, *words)
