@@ -168,7 +168,7 @@ void check_elastic_start(const ConfigReader& in, const LineMaterial& bar) {
 void read_yielding_beam(ConfigReader& in, LineMaterial& beam) {
   const bool yields = in.has("yield_stress") || in.has("yield_table");
   for (const char* key : {"hardening_modulus", "kinematic_modulus"}) {
-    if (yields || !in.has(key)) continue;
+    if (yields || in.number(key) == 0) continue;
     in.fail(key, "found without \"yield_stress\" or \"yield_table\", allowed: with one of them");
   }
   if (!yields) return;

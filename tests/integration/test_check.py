@@ -13,6 +13,9 @@ from test_foreign import FOREIGN, PYTHON, ROOT
 # Programs of codes that scripts/setup does not install, and what they say where those are missing.
 OPTIONAL = {"dealii_structure": "structures/dealii/build builds it", "opensees_structure": "-m pip install openseespy"}
 
+# Warnings of scenes, which their pages explain.
+WARNED = {"debris_flow_barrier": 'found "water" without "initial_stress"', "slit_dam": "too long for the grid"}
+
 
 class CheckCase(IntegrationCase):
     def check(self, files: dict[str, dict], code: int = 0, *options: str, **how) -> Ended:
@@ -241,8 +244,8 @@ class ByScript(IntegrationCase):
         return self.run_script(self.scene)
 
     def test_scenes_of_the_project(self) -> None:
-        """All are valid, without a warning, and foreign codes write nothing either; one that is not here says how to
-        get it."""
+        """All are valid, without a warning but those that their pages explain, and foreign codes write nothing either;
+        one that is not here says how to get it."""
         for scene in sorted(path.parent for path in (ROOT / "configs").glob("*/mpm.json")):
             with self.subTest(scene.name):
                 done = self.run_script(scene)
@@ -253,7 +256,10 @@ class ByScript(IntegrationCase):
                     continue
                 self.assertEqual(done.returncode, 0, done.stdout)
                 self.assert_says(done.stdout, "valid")
-                self.assertNotIn("warning", done.stdout)
+                warnings = [line for line in done.stdout.splitlines() if "warning" in line]
+                known = WARNED.get(scene.name)
+                self.assertEqual([line for line in warnings if known is None or known not in line], [])
+                self.assertEqual(known is None, not warnings)
                 self.assertFalse(self.out.exists())
 
     def test_own_solvers(self) -> None:

@@ -303,7 +303,7 @@ TEST(EmbeddedBars, bars_in_one_place_are_refused) {
   json["materials"].push_back(json["materials"].back());
   json["materials"].back()["group"] = "more";
   expect_error<ConfigError>([&] { fem_solver<2>(json); },
-                            {"/materials/2/group", "\"more\"", "\"steel\"", "(0.25, 0.04)"});
+                            {"/materials/3/group", "\"more\"", "\"steel\"", "(0.25, 0.04)"});
 }
 
 TEST(EmbeddedBars, restart_gives_the_same_bits_and_conditions_are_refused) {
