@@ -131,14 +131,15 @@ KeyTable body_water_keys() {
   table.keys.push_back(
       key::choice("permeability_law", {"constant", "kozeny_carman"},
                   "`kozeny_carman`: `permeability` is that at `porosity`, and changes with the "
-                  "present porosity as n^3 / (1 - n)^2. Only with `permeability`.")
-          .or_else("constant"));
+                  "present porosity as n^3 / (1 - n)^2.")
+          .or_else("constant")
+          .with("permeability"));
   table.keys.push_back(
       key::choice("free_surface", {"seepage_face", "impervious"},
                   "Where the soil ends in air. `seepage_face`: water under pressure leaves there, "
-                  "none gets in. Soil under another body, at walls and surfaces ends nowhere. Only "
-                  "with `permeability`.")
-          .or_else("seepage_face"));
+                  "none gets in. Soil under another body, at walls and surfaces ends nowhere.")
+          .or_else("seepage_face")
+          .with("permeability"));
   return table;
 }
 
@@ -173,8 +174,10 @@ PoreWater read_body_water(ConfigReader in, double saturated_density, double skel
       in.fail(key, "allowed only with \"permeability\": other water does not drain");
     }
   }
-  water.kozeny_carman = in.choice("permeability_law") == "kozeny_carman";
-  water.seepage_face = in.choice("free_surface") == "seepage_face";
+  if (permeability) {
+    water.kozeny_carman = in.choice("permeability_law") == "kozeny_carman";
+    water.seepage_face = in.choice("free_surface") == "seepage_face";
+  }
   return read_water(std::move(in), saturated_density, skeleton_modulus, permeability, water);
 }
 
