@@ -59,6 +59,7 @@ def describe(name: str, results: Results) -> None:
 def draw_scene(wet: Results, dry: Results, out: Path) -> None:
     """The slide at some instants, coloured by pore pressure on the left."""
     figure, panels = plt.subplots(len(INSTANTS), 2, sharex=True, sharey=True, figsize=(11, 6.2), layout="constrained")
+    figure.get_layout_engine().set(rect=(0.02, 0, 0.98, 1))  # labels at the left are cut off without it
     for row, time in zip(panels, INSTANTS):
         for axes, results in zip(row, (wet, dry)):
             soil = results.frames_of_soil()
