@@ -67,7 +67,7 @@ class Fluids(Laid):
         impulses = []
         for name in ("debris_flow_barrier", "debris_flow_barrier_drained"):
             self.out = self.folder / name
-            self.expect_push(name, soil, 0.2, "crest", 2e-3)
+            self.expect_push(name, soil, 0.1, "crest", 2e-3)
             impulses.append(sum(float(row["fx"]) * float(row["dt"]) for row in read_table(self.out / "steps.csv")))
         self.assertGreater(impulses[0], 1.5 * impulses[1])
 
