@@ -2,13 +2,27 @@
 #include "fem_solver/step/static_stability.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "common/base/log.hpp"
 #include "common/mechanics/petsc/eigenvalue_signs.hpp"
+#include "common/mechanics/petsc/linear_method.hpp"
+#include "fem_solver/step/full_steps.hpp"
+#include "fem_solver/step/kept_factor.hpp"
 
 namespace gabion::fem {
 
 namespace {
+
+// Whether statics of this structure are solved by factors, so that one more costs what they do.
+template <int dim>
+bool is_factored(const FemSettings<dim>& settings) {
+  const LinearRegime statics{.symmetric = settings.line_materials.empty(),
+                             .courant = std::numeric_limits<double>::infinity(),
+                             .slender = is_slender(settings.mesh, settings.ranks)};
+  const std::int64_t num_dofs = std::int64_t{dim} * settings.mesh.num_nodes_total();
+  return choose_linear_method(full_step_solver(settings), statics, dim, num_dofs, 1).direct();
+}
 
 template <int dim>
 bool shows_instability(const FemSettings<dim>& settings) {
@@ -17,7 +31,11 @@ bool shows_instability(const FemSettings<dim>& settings) {
   });
   const bool cracks = std::ranges::any_of(
       settings.materials, [](const auto& material) { return material.law_name == "concrete"; });
-  return settings.ranks.alone() && only_beams && !cracks;
+  const bool is_linear = settings.line_materials.empty() &&
+                         std::ranges::all_of(settings.materials, [](const auto& material) {
+                           return material.law_name == "linear_elastic";
+                         });
+  return settings.ranks.alone() && only_beams && !cracks && !is_linear && is_factored(settings);
 }
 
 }  // namespace

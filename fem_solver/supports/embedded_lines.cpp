@@ -43,6 +43,7 @@ void refuse_conditions_on_embedded(const FemSettings<dim>& s) {
   };
   for (const auto& item : s.supports) check_group(item.group, item.where);
   for (const auto& item : s.prescribed) check_group(item.group, item.where);
+  for (const auto& item : s.rigid_links) check_group(item.group, item.where);
   for (const auto& item : s.tractions) check_group(item.group, item.where);
   for (const auto& item : s.interfaces) {
     for (const std::string& group : item.groups) check_group(group, item.where);
@@ -64,7 +65,8 @@ void refuse_doubled_lines(const FemSettings<dim>& s) {
   };
   std::map<std::pair<std::int32_t, std::int32_t>, const LineMaterial*> known;
   for (const LineMaterial& material : s.line_materials) {
-    if (!material.embedded) continue;
+    // Groups that the mesh lacks are refused with the other materials.
+    if (!material.embedded || !s.mesh.line_groups.contains(material.group)) continue;
     for (const std::int32_t line : s.mesh.line_groups.at(material.group)) {
       const auto ends = s.mesh.line(line);
       const auto [first, added] =

@@ -328,6 +328,34 @@ TEST(EmbeddedBars, restart_gives_the_same_bits_and_conditions_are_refused) {
   json["supports"].erase(1);
   json["loads"] = {{{"point", {0.065, 0.04}}, {"force", {1, 0}}}};
   expect_error<ConfigError>([&] { fem_solver<2>(json); }, {"/loads/0/point", "embedded"});
+  json.erase("loads");
+  json["materials"].push_back(json["materials"].back());
+  json["materials"].back()["group"] = "gone";
+  expect_error<ConfigError>([&] { fem_solver<2>(json); }, {"/materials/3/group", "gone"});
+}
+
+/// A link would pull at a node that is no unknown.
+TEST(EmbeddedBars, rigid_links_to_embedded_nodes_are_refused) {
+  GmshText file = strip_with_bar(0.25, 0.1, 5, 0.3, 0.04);
+  const int first = static_cast<int>(file.nodes.size()) + 1;
+  file.nodes.push_back({0.25, 0.5, 0});
+  file.nodes.push_back({0.25, 0.9, 0});
+  file.groups.insert(file.groups.end(), {{1, 7, "post"}, {0, 8, "foot"}});
+  file.entities.insert(file.entities.end(), {{1, 5, {7}}, {0, 6, {8}}});
+  file.blocks.push_back({1, 5, 1, {{first, first + 1}}});
+  file.blocks.push_back({0, 6, 15, {{first}}});
+  const TemporaryMesh mesh(file);
+  Json json = with_steel(pulled_strip(mesh.path(), 5, 4e-4), true);
+  json["materials"].push_back(
+      {{"group", "post"},
+       {"law", "beam"},
+       {"density", 7850},
+       {"young_modulus", E},
+       {"poisson_ratio", 0.3},
+       {"cross_section", {{"shape", "pipe"}, {"diameter", 0.1}, {"wall", 0.01}}}});
+  json["rigid_links"] = {{{"beam", "foot"}, {"group", "steel"}}};
+  expect_error<ConfigError>([&] { fem_solver<2>(json); },
+                            {"/rigid_links/0/group", "steel", "embedded"});
 }
 
 }  // namespace
