@@ -19,6 +19,15 @@ template <int dim>
 std::vector<std::vector<std::int32_t>> cells_of_materials(
     const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials, const MeshRanks& ranks);
 
+/// Lines of the group of a material; none where the mesh lacks it, which lines_of_materials
+/// refuses.
+template <int dim>
+std::span<const std::int32_t> lines_of(const Mesh<dim>& mesh, const LineMaterial& material) {
+  const auto found = mesh.line_groups.find(material.group);
+  if (found == mesh.line_groups.end()) return {};
+  return found->second;
+}
+
 /// Lines of each material: those of its group.
 /// @throws ConfigError  a group of lines that the mesh does not have; a line in two of the groups
 template <int dim>

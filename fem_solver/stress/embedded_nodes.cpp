@@ -14,6 +14,7 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/mesh/mesh_part.hpp"
+#include "fem_solver/stress/cells_of_materials.hpp"
 
 namespace gabion::fem {
 
@@ -128,12 +129,6 @@ std::vector<typename EmbeddedNodes<dim>::Share> shares_in(std::span<const std::i
   return shares;
 }
 
-template <int dim>
-const std::vector<std::int32_t>* lines_of(const Mesh<dim>& mesh, const LineMaterial& material) {
-  const auto found = mesh.line_groups.find(material.group);
-  return found == mesh.line_groups.end() ? nullptr : &found->second;
-}
-
 /// The material whose lines have a node: 0 none, 1 + its number else.
 template <int dim>
 std::vector<std::size_t> materials_of_nodes(const Mesh<dim>& mesh,
@@ -141,9 +136,8 @@ std::vector<std::size_t> materials_of_nodes(const Mesh<dim>& mesh,
                                             bool embedded) {
   std::vector<std::size_t> of_node(mesh.nodes.size(), 0);
   for (std::size_t m = 0; m < materials.size(); ++m) {
-    const auto* lines = lines_of(mesh, materials[m]);
-    if (materials[m].embedded != embedded || !lines) continue;
-    for (const std::int32_t l : *lines) {
+    if (materials[m].embedded != embedded) continue;
+    for (const std::int32_t l : lines_of(mesh, materials[m])) {
       for (const std::int32_t i : mesh.line(l)) of_node[i] = m + 1;
     }
   }
@@ -243,9 +237,10 @@ template <int dim>
 Mesh<dim> without_embedded_lines(const Mesh<dim>& mesh, std::span<const LineMaterial> materials) {
   std::vector<int> part(static_cast<std::size_t>(mesh.num_elements()), 0);
   for (const LineMaterial& material : materials) {
-    const auto* lines = lines_of(mesh, material);
-    if (!material.embedded || !lines) continue;
-    for (const std::int32_t l : *lines) part[static_cast<std::size_t>(mesh.num_cells() + l)] = 1;
+    if (!material.embedded) continue;
+    for (const std::int32_t l : lines_of(mesh, material)) {
+      part[static_cast<std::size_t>(mesh.num_cells() + l)] = 1;
+    }
   }
   return MeshParts<dim>(mesh, std::move(part)).take(0).mesh;
 }

@@ -11,6 +11,7 @@
 
 #include "common/mechanics/mesh/coincident_nodes.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "fem_solver/stress/cells_of_materials.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
 namespace gabion::fem {
@@ -65,9 +66,8 @@ void refuse_doubled_lines(const FemSettings<dim>& s) {
   };
   std::map<std::pair<std::int32_t, std::int32_t>, const LineMaterial*> known;
   for (const LineMaterial& material : s.line_materials) {
-    // Groups that the mesh lacks are refused with the other materials.
-    if (!material.embedded || !s.mesh.line_groups.contains(material.group)) continue;
-    for (const std::int32_t line : s.mesh.line_groups.at(material.group)) {
+    if (!material.embedded) continue;
+    for (const std::int32_t line : lines_of(s.mesh, material)) {
       const auto ends = s.mesh.line(line);
       const auto [first, added] =
           known.try_emplace(std::minmax(place[ends[0]], place[ends[1]]), &material);

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "common/base/require.hpp"
+#include "fem_solver/stress/cells_of_materials.hpp"
 
 namespace gabion::fem {
 
@@ -46,8 +47,8 @@ std::int32_t master_of(const FemSettings<dim>& settings, const RigidLinkSettings
 template <int dim>
 void find_beam(const FemSettings<dim>& settings, RigidLink<dim>& link) {
   for (const LineMaterial& material : settings.line_materials) {
-    if (!material.beam || !settings.mesh.line_groups.contains(material.group)) continue;
-    for (const std::int32_t l : settings.mesh.line_groups.at(material.group)) {
+    if (!material.beam) continue;
+    for (const std::int32_t l : lines_of(settings.mesh, material)) {
       const auto ends = settings.mesh.line(l);
       if (ends[0] != link.place && ends[1] != link.place) continue;
       link.line = l;

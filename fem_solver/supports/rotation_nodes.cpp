@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "common/base/require.hpp"
+#include "fem_solver/stress/cells_of_materials.hpp"
 
 namespace gabion::fem {
 
@@ -18,9 +19,7 @@ void add_rotation_nodes(const ConfigReader& in, FemSettings<dim>& s) {
   for (const LineMaterial& material : s.line_materials) {
     if (!material.beam) continue;
     any = true;
-    const auto found = s.mesh.line_groups.find(material.group);
-    if (found == s.mesh.line_groups.end()) continue;  // CellIntegrals refuses it
-    for (const std::int32_t l : found->second) {
+    for (const std::int32_t l : lines_of(s.mesh, material)) {
       const auto ends = s.mesh.line(l);
       turns[ends[0]] = turns[ends[1]] = 1;
       sum += (s.mesh.nodes[ends[1]] - s.mesh.nodes[ends[0]]).norm();
