@@ -4,8 +4,6 @@
 Compression is positive. Curves begin at the end of consolidation, the excess of pore pressure at zero there.
 """
 
-import csv
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +11,7 @@ import numpy as np
 
 from element.laboratory import CONSOLIDATION, ElementError
 from plotting.results import Table
+from sampling.measured_csv import MeasuredCsv
 
 STRAIN, STRESS, TIME, LENGTH = ({"-": 1.0, "%": 0.01}, {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6},
                                 {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}, {"m": 1.0, "mm": 1e-3})
@@ -75,48 +74,22 @@ class LabTable:
 
 
 def read_laboratory(path: Path) -> LabTable:
-    """A CSV whose head names quantity and unit, such as eps_a[%],q[kPa]; lines that start with # are remarks.
+    """A CSV whose head names quantity and unit, such as eps_a[%],q[kPa]; see MeasuredCsv.
 
     @raises ElementError  an unknown quantity or unit, no number, fewer than three rows, a row of another length
     """
-    try:
-        lines = [line for line in path.read_text(encoding="utf-8-sig").splitlines()
-                 if line.strip() and not line.startswith("#")]
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8"
-        raise ElementError(f"{path}: {reason}, allowed: a CSV file") from error
-    rows = list(csv.reader(lines))
-    if len(rows) < 4:
-        raise ElementError(f"{path}: found {max(len(rows) - 1, 0)} rows, allowed: a head and at least 3 rows")
-    for line, row in enumerate(rows[1:], 1):
-        if len(row) != len(rows[0]):
-            raise ElementError(f"{path}: row {line}: found {len(row)} values, allowed: {len(rows[0])}, as the head "
-                               "has; decimals have a point, no comma")
-    columns: dict[str, np.ndarray] = {}
-    for k, head in enumerate(rows[0]):
-        name, factor = _quantity(path, head)
-        if name in columns:
-            raise ElementError(f"{path}: found {name} twice, allowed: once")
-        columns[name] = factor * np.array([_number(path, row, k, line) for line, row in enumerate(rows[1:], 1)])
-    return LabTable(path, columns)
+    table = MeasuredCsv(path, ElementError, str(path), min_rows=3)
+    return LabTable(path, {name: _factor(path, name, unit) * table.numbers(name)
+                           for name, (_, unit) in table.columns.items()})
 
 
-def _quantity(path: Path, head: str) -> tuple[str, float]:
-    found = re.fullmatch(r"\s*(\w+)\s*\[\s*(\S+)\s*\]\s*", head)
-    if not found or found[1] not in QUANTITIES:
+def _factor(path: Path, name: str, unit: str | None) -> float:
+    """The unit of a quantity in SI units."""
+    if unit is None or name not in QUANTITIES:
+        head = name if unit is None else f"{name}[{unit}]"
         raise ElementError(f"{path}: found the column {head!r}, allowed: NAME[UNIT] with one of "
                            f"{', '.join(QUANTITIES)}; compression is positive")
-    units = QUANTITIES[found[1]][0]
-    if found[2] not in units:
-        raise ElementError(f"{path}: found the unit {found[2]!r} of {found[1]}, allowed: {', '.join(units)}")
-    return found[1], units[found[2]]
-
-
-def _number(path: Path, row: list[str], column: int, line: int) -> float:
-    try:
-        value = float(row[column])
-    except (IndexError, ValueError) as error:
-        raise ElementError(f"{path}: row {line}: found {row}, allowed: a number in each column") from error
-    if not np.isfinite(value):
-        raise ElementError(f"{path}: row {line}: found {row[column]}, allowed: a finite number")
-    return value
+    units = QUANTITIES[name][0]
+    if unit not in units:
+        raise ElementError(f"{path}: found the unit {unit!r} of {name}, allowed: {', '.join(units)}")
+    return units[unit]

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What was measured, and what a run has in its place."""
 
-import csv
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +9,7 @@ import numpy as np
 from plotting.deposit import Deposit, find_deposit
 from plotting.results import Results, ResultsError
 from sampling.answers import Answer, curve_of
+from sampling.measured_csv import MeasuredCsv
 from sampling.reader import PlanError
 
 FIELDS = ("depth", "max_depth", "max_speed")  # of a deposit
@@ -126,66 +125,25 @@ class DataSet:
         return self.source.of(results, self.at, self.where)
 
 
-class MeasuredTable:
-    """A CSV file with columns NAME or NAME[UNIT]; lines that start with # are remarks.
-
-    @raises PlanError  no such file, no row, one with more or fewer values than the head, a column twice, an unknown
-        unit
-    """
+class MeasuredTable(MeasuredCsv):
+    """Measured values in SI units. @raises PlanError  what MeasuredCsv refuses, or an unknown unit"""
 
     def __init__(self, path: Path, where: str):
-        self.path, self.where = path, where
-        try:
-            lines = [line for line in path.read_text(encoding="utf-8-sig").splitlines()
-                     if line.strip() and not line.startswith("#")]
-        except (OSError, UnicodeDecodeError) as error:
-            reason = error.strerror if isinstance(error, OSError) else "not UTF-8"
-            raise PlanError(f"{where}: {path}: {reason}, allowed: a CSV file") from error
-        rows = list(csv.reader(lines))
-        if len(rows) < 2:
-            raise PlanError(f"{where}: {path}: found {max(len(rows) - 1, 0)} rows, allowed: a head and "
-                            "at least one row")
-        self.rows = rows[1:]
-        for number, row in enumerate(self.rows, 1):
-            if len(row) != len(rows[0]):
-                raise PlanError(f"{where}: {path}: row {number}: found {len(row)} value{'s' * (len(row) > 1)}, "
-                                f"allowed: {len(rows[0])}, as the head has")
-        self.columns: dict[str, tuple[int, str, float]] = {}  # number, quantity, factor
-        for number, head in enumerate(rows[0]):
-            found = re.fullmatch(r"\s*([^\[\]]+?)\s*(?:\[\s*(\S+)\s*\])?\s*", head)
-            if not found:
-                raise PlanError(f"{where}: {path}: found the column {head!r}, allowed: NAME or NAME[UNIT]")
-            if found[2] and found[2] not in UNITS:
-                raise PlanError(f"{where}: {path}: found the unit {found[2]!r} of {found[1]}, allowed: "
-                                f"{', '.join(UNITS)}")
-            if found[1] in self.columns:
-                raise PlanError(f"{where}: {path}: found the column {found[1]} twice, allowed: once")
-            self.columns[found[1]] = (number, *(UNITS[found[2]] if found[2] else ("", 1.0)))
+        super().__init__(path, PlanError, f"{where}: {path}")
+        for name, (_, unit) in self.columns.items():
+            if unit is not None and unit not in UNITS:
+                raise PlanError(f"{self.where}: found the unit {unit!r} of {name}, allowed: {', '.join(UNITS)}")
 
     def quantity(self, name: str) -> str:
         """What its unit is of; empty: it names none."""
-        return self._column(name)[1]
+        unit = self.column(name).unit
+        return "" if unit is None else UNITS[unit][0]
 
     def factor(self, name: str) -> float:
         """Its unit in SI units."""
-        return self._column(name)[2]
+        unit = self.column(name).unit
+        return 1.0 if unit is None else UNITS[unit][1]
 
     def numbers(self, name: str) -> np.ndarray:
         """In SI units. @raises PlanError  no such column, or what is no finite number"""
-        number, _, factor = self._column(name)
-        found = []
-        for line, row in enumerate(self.rows, 1):
-            try:
-                value = float(row[number])
-            except ValueError:
-                value = np.nan
-            if not np.isfinite(value) or "_" in row[number]:  # Python takes 1_0 for 10
-                raise PlanError(f"{self.where}: {self.path}: row {line}: found {row[number]!r} for {name}, allowed: a "
-                                "finite number")
-            found.append(factor * value)
-        return np.array(found)
-
-    def _column(self, name: str) -> tuple[int, str, float]:
-        if name not in self.columns:
-            raise PlanError(f"{self.where}: {self.path}: found no column {name}, allowed: {', '.join(self.columns)}")
-        return self.columns[name]
+        return self.factor(name) * super().numbers(name)

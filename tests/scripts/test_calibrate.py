@@ -147,6 +147,9 @@ class WrongPlans(ElementCase):
                            ("eps_a[-],q[Pa]\n0,0\n1,x\n2,2\n", "row 2"),
                            ("eps_a[-],q[Pa]\n0,0\n1,nan\n2,2\n", "finite"), ("eps_a[-],q[Pa]\n0,0\n1\n2,2\n", "row 2"),
                            ("eps_a[-],q[Pa]\n0,0\n0,1,1\n2,2\n", "row 2: found 3 values, allowed: 2"),
+                           ("eps_a[-],q[Pa]\n0,0\n1,\"1,5\"\n2,2\n", "row 2: found '1,5' for q, .*point for decimals"),
+                           ("eps_a[-],q[Pa]\n0,0\n1,1_0\n2,2\n", "row 2: found '1_0' for q"),
+                           ("eps_a[-];q[Pa]\n0;0\n1;1\n2;2\n", "found the column 'eps_a"),
                            ("eps_a[-],q[Pa]\n0,0\n", "at least 3 rows"), ("", "at least 3 rows")):
             with self.assertRaisesRegex(ElementError, part):
                 read_laboratory(self.write("bad.csv", text))

@@ -322,6 +322,7 @@ class Plans(FitCase):
                 ("time,x\n0,1\n0.5\n", ("row 2: found 1 value, allowed: 2, as the head has",)),
                 ("time,x\n0,1\n0,5,2\n", ("row 2: found 3 values, allowed: 2, as the head has",)),
                 ("time,x\n0,1\n1,1_0\n", ("row 2: found '1_0' for x, allowed: a finite number",)),
+                ('time,x\n0,1\n1,"2,5"\n', ("row 2: found '2,5' for x, allowed: a finite number, with a point",)),
                 ("time,x\n0,1\nsoon,2\n", ("row 2: found 'soon' for time",)),
                 ("time,x\n0,1\n0.5,2\n0.5,3\n", ("found time 0.5 (SI units) twice, allowed: once",)),
                 ("time,x,x\n0,1,1\n1,2,2\n", ("found the column x twice",)),
