@@ -5,6 +5,8 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
+from gabion_participant.settings_file import read_settings_file
+
 from .deck import DeckError
 
 
@@ -63,22 +65,7 @@ REQUIRED = ("deck", "interfaces")
 
 def read_settings(path: Path) -> Settings:
     """Raises DeckError that names file, key, found and allowed."""
-    try:
-        values = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as problem:
-        raise DeckError(f"{path}: {problem}") from problem
-    if not isinstance(values, dict):
-        raise DeckError(f"{path}: found {type(values).__name__}, allowed: an object with {', '.join(KEYS)}")
-    for key in (*values, *REQUIRED):
-        if key not in KEYS or key not in values:
-            raise DeckError(f"{path}: at /{key}: found {'nothing' if key in KEYS else 'this key'}, allowed: "
-                            f"{KEYS[key][2] if key in KEYS else ', '.join(KEYS)}")
-    for key, value in values.items():
-        kind, fits, allowed = KEYS[key]
-        if kind is float and isinstance(value, int) and not isinstance(value, bool):
-            value = values[key] = float(value)
-        if not isinstance(value, kind) or (kind is int and isinstance(value, bool)) or not fits(value):
-            raise DeckError(f"{path}: at /{key}: found {json.dumps(value)}, allowed: {allowed}")
+    values = read_settings_file(path, KEYS, REQUIRED, DeckError)
     interfaces = tuple(read_interface(path, k, entry) for k, entry in enumerate(values["interfaces"]))
     probes = tuple(read_probe(path, k, entry) for k, entry in enumerate(values.get("probes", [])))
     deck = path.parent / values["deck"]

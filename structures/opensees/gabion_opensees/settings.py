@@ -6,6 +6,8 @@ import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from gabion_participant.settings_file import as_kind, is_kind, read_settings_file
+
 from .errors import SettingsError
 
 
@@ -55,21 +57,7 @@ PROBES = ({"name", "node"}, {"name", "interface", "point"}, {"name", "element", 
 
 def read_settings(path: Path) -> Settings:
     """Raises SettingsError that names file, key, found and allowed."""
-    try:
-        values = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as problem:
-        raise SettingsError(f"{path}: {problem}") from problem
-    if not isinstance(values, dict):
-        raise SettingsError(f"{path}: found {type(values).__name__}, allowed: an object with {', '.join(KEYS)}")
-    for key in (*values, *REQUIRED):
-        if key not in KEYS or key not in values:
-            raise SettingsError(f"{path}: at /{key}: found {'nothing' if key in KEYS else 'this key'}, allowed: "
-                                f"{KEYS[key][2] if key in KEYS else ', '.join(KEYS)}")
-    for key, value in values.items():
-        kind, fits, allowed = KEYS[key]
-        values[key] = value = as_kind(kind, value)
-        if not is_kind(kind, value) or not fits(value):
-            raise SettingsError(f"{path}: at /{key}: found {json.dumps(value)}, allowed: {allowed}")
+    values = read_settings_file(path, KEYS, REQUIRED, SettingsError)
     for index, entry in enumerate(values["interfaces"]):
         check_interface(f"{path}: at /interfaces/{index}", entry)
     for index, entry in enumerate(values.get("probes", [])):
@@ -77,15 +65,6 @@ def read_settings(path: Path) -> Settings:
             raise SettingsError(f"{path}: at /probes/{index}: found {json.dumps(entry)}, allowed: {KEYS['probes'][2]}")
     return Settings(**values | {"model": path.parent / values["model"], "interfaces": tuple(values["interfaces"]),
                                 "probes": tuple(values.get("probes", []))})
-
-
-def as_kind(kind: object, value: object) -> object:
-    """Whole numbers are numbers."""
-    return float(value) if kind is float and isinstance(value, int) and not isinstance(value, bool) else value
-
-
-def is_kind(kind: object, value: object) -> bool:
-    return isinstance(value, kind) and (kind is bool or not isinstance(value, bool))
 
 
 def check_interface(place: str, entry: object) -> None:
