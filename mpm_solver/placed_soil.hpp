@@ -18,9 +18,9 @@ namespace gabion::mpm {
 template <int dim>
 class PlacedSoil final : public Solver, public TakesStart {
  public:
-  /// As MpmSolver, with the interfaces at X. Where the soil cannot begin with them there, as soil
-  /// inside the structure, it may begin with them elsewhere: set_start can follow, or a state is
-  /// loaded. Any other function but those of the handshake throws that ConfigError.
+  /// The soil of MpmSolver, with the interfaces at X. Where the soil cannot begin with them there,
+  /// as soil inside the structure, it may begin with them elsewhere: set_start can follow, or a
+  /// state is loaded. Any other function but those of the handshake throws that ConfigError.
   PlacedSoil(MPI_Comm comm, MpmSettings<dim> settings, std::string output_folder);
 
   /// At X.

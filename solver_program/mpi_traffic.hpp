@@ -19,8 +19,8 @@ struct MpiTraffic {
 };
 MpiTraffic operator-(MpiTraffic a, const MpiTraffic& b);
 
-/// Since the start of the process. Empty where nobody counts: the library gabion_mpi_counter has to
-/// be loaded before that of MPI (LD_PRELOAD).
+/// Traffic since the start of the process. Empty where nobody counts: the library
+/// gabion_mpi_counter has to be loaded before that of MPI (LD_PRELOAD).
 std::optional<MpiTraffic> mpi_traffic();
 
 }  // namespace gabion

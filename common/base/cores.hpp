@@ -15,12 +15,12 @@ int usable_cores();
 /// each core that of its busiest hardware thread. None where the system does not say.
 std::optional<double> idle_cores(double seconds);
 
-/// The same between two texts of /proc/stat.
+/// Idle cores, as idle_cores(), between two texts of /proc/stat.
 /// @param cores  numbers of the hardware threads of each
 std::optional<double> idle_between(const std::string& before, const std::string& after,
                                    const std::vector<std::vector<int>>& cores);
 
-/// Of each core the processors that are its hardware threads.
+/// Numbers of the processors that are the hardware threads of each core.
 /// @param cpus    numbers of the system
 /// @param folder  with cpuN/topology, as /sys/devices/system/cpu; a processor without is a core
 std::vector<std::vector<int>> cores_of(const std::vector<int>& cpus, const std::string& folder);

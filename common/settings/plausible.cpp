@@ -160,7 +160,7 @@ const PlausibleRange structure_stiffness = {"material/young_modulus",
                                             "stiffer than any building material",
                                             pressures};
 
-/// The same of another key.
+/// The range of one key, for another one.
 PlausibleRange also_of(PlausibleRange range, const char* key) {
   range.key = key;
   return range;

@@ -7,7 +7,7 @@
 
 namespace gabion::fem {
 
-/// Of the crack of a state and an earlier one, the wider: mean width over the points of a cell.
+/// The wider one of the crack of a state and an earlier one: mean width over the points of a cell.
 /// @param earlier  kept where no crack of the state is wider
 /// @param time     of the state [s]
 /// @note Collective.

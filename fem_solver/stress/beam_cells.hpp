@@ -43,7 +43,7 @@ class BeamCells {
   std::vector<SectionResultants<double>> resultants(std::span<const double> u,
                                                     std::span<const double> history) const;
   double length(std::size_t k) const { return cells_[k].length; }
-  /// Of the k-th beam. @param history  of all beams
+  /// Plastic work of the k-th beam. @param history  of all beams
   double plastic_work(std::size_t k, std::span<const double> history) const;  ///< [J]
   /// The largest over its fibres of the sum of the size of plastic strains.
   double plastic_strain(std::size_t k, std::span<const double> history) const;

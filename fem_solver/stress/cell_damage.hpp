@@ -16,12 +16,12 @@ struct CellDamage {
   double crack_width = 0;  ///< [m]
 };
 
-/// Of the cells of a block, in their order; empty: of another law.
+/// Damage of the cells of a block, in their order; empty: of another law.
 /// @param history  accepted, of the block
 template <int dim>
 std::vector<CellDamage> block_damage(const CellBlock<dim>& block, std::span<const double> history);
 
-/// Of all cells of this rank, num_cells.
+/// Damage of all cells of this rank, num_cells.
 /// @param history  accepted, of all blocks
 template <int dim>
 std::vector<CellDamage> cell_damage(const CellIntegrals<dim>& cells,

@@ -233,7 +233,7 @@ std::vector<std::int32_t> rotations_of(const FemSettings<dim>& settings,
   return rotations;
 }
 
-/// Of the unknowns of a rotation.
+/// Part of a moment that acts on the unknowns of a rotation.
 template <int dim>
 Vector<dim> moment_share(const Vector<3>& moment) {
   if constexpr (dim == 2) {

@@ -27,7 +27,7 @@ class BoulderLedger {
   void visit_state(StateVisitor& visitor);
 
  private:
-  // Since the start, on all boulders, but the last one: of boulders on surfaces [J]
+  // Sums since the start: work on all boulders; the last one is that of boulders on surfaces [J]
   double gravity_work_ = 0, soil_work_ = 0, contact_work_ = 0, surface_work_ = 0;
 };
 

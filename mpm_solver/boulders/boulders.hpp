@@ -70,7 +70,7 @@ class Boulders {
   bool may_touch_interface() const;
   /// Add the mean forces of the boulders in the last step to those of the soil.
   void add_forces(InterfaceValues& forces) const;
-  /// The same of rigid walls. @param forces  as Surfaces::forces_on_walls
+  /// Add them to the forces on rigid walls. @param forces  as Surfaces::forces_on_walls
   void add_forces(std::span<double> forces) const;
 
   /// Columns of the tables: of each boulder, of all of them, then the part of the force on each

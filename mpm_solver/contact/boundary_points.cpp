@@ -176,8 +176,8 @@ std::vector<double> BoundaryPoints<dim>::forces_on_structure(std::size_t) const 
 }
 
 template <int dim>
-typename Contact<dim>::Resultant BoundaryPoints<dim>::resultant(std::size_t) const {
-  typename Contact<dim>::Resultant sum;
+ContactResultant<dim> BoundaryPoints<dim>::resultant(std::size_t) const {
+  ContactResultant<dim> sum;
   for (const std::int32_t k : touching_) {
     const Point& b = points_[k];
     if (!b.trial.closed) continue;

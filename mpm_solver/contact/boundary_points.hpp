@@ -15,7 +15,7 @@ namespace gabion::mpm {
 /// structure at the same point, so force and moment are equal on both sides. The first rank
 /// carries them all.
 template <int dim>
-class BoundaryPoints final : public Contact<dim> {
+class BoundaryPoints final : public WholeContact<dim> {
  public:
   BoundaryPoints(const ContactSettings<dim>& settings, const BoundaryPointSettings& method);
 
@@ -37,7 +37,7 @@ class BoundaryPoints final : public Contact<dim> {
   void mark_touched(std::span<char> nodes, std::size_t = 0) const override;
 
   std::vector<double> forces_on_structure(std::size_t = 0) const override;
-  typename Contact<dim>::Resultant resultant(std::size_t = 0) const override;
+  ContactResultant<dim> resultant(std::size_t = 0) const override;
   double work_on_soil(std::span<const double> du) const override;
   ContactCounts counts(std::size_t = 0) const override;
   double approach_step(double dt, double margin) const override;

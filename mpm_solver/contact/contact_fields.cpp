@@ -310,7 +310,7 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
   SpheresOfBlock<dim> spheres(sphere_of, points.size());
   for (std::int32_t p = 0; p < points.size(); ++p) {
     const Vector<dim>& x = points.x[p];
-    // Of higher points: their gap is at least the height less R, more than what is known.
+    // Higher points do not count: their gap is at least the height less R, more than what is known.
     const auto highest = [&](std::int32_t s) {
       const double known = std::min(fields.gap[placed.facet(s)], reach);
       return (1 + rounding) * (std::max(0.0, known) + spheres.most(p));

@@ -88,7 +88,7 @@ struct ContactLaw {
     double elastic = 0;  // d |t_t| / d excess
   };
   Slide slide_beyond(double excess) const;
-  // Of the friction and its fall; d/d speed.
+  // The friction at the present speed, and its derivative by the speed.
   double friction_now() const;
   double friction_slope() const;
 };

@@ -32,7 +32,7 @@ struct RememberedContact {
   Vector<dim> tangential() const { return slip + initial_penetration() * normal; }
 };
 
-/// Those of one material point.
+/// Memory of the contact points of one material point.
 template <int dim>
 using RememberedContacts = std::vector<RememberedContact<dim>>;
 

@@ -9,7 +9,7 @@ namespace gabion::mpm {
 /// A surface that no longer acts: soil passes it. It keeps the energies of the contact it was; what
 /// its springs held is lost.
 template <int dim>
-class DroppedContact final : public Contact<dim> {
+class DroppedContact final : public WholeContact<dim> {
  public:
   DroppedContact(const ContactSettings<dim>& settings, const ContactEnergy& energy)
       : surface_(settings.surface),
@@ -26,7 +26,7 @@ class DroppedContact final : public Contact<dim> {
   std::vector<double> forces_on_structure(std::size_t = 0) const override {
     return std::vector<double>(surface_.num_vertices() * dim, 0.0);
   }
-  typename Contact<dim>::Resultant resultant(std::size_t = 0) const override { return {}; }
+  ContactResultant<dim> resultant(std::size_t = 0) const override { return {}; }
   double work_on_soil(std::span<const double>) const override { return 0; }
   ContactCounts counts(std::size_t = 0) const override { return {}; }
   double approach_step(double, double) const override {

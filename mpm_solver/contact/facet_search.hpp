@@ -36,7 +36,7 @@ class FacetSearch {
   /// See FacetLattice::near; of one member.
   std::span<const std::int32_t> near(std::size_t member, const Vector<dim>& x, double distance,
                                      std::vector<std::int32_t>& room) const;
-  /// The same of all members.
+  /// Simplices of all members that are near.
   std::span<const std::int32_t> near(const Vector<dim>& x, double distance,
                                      std::vector<std::int32_t>& room) const;
   /// See FacetLattice::at_least, of the nearest member.

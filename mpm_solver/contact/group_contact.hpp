@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mpm_solver/contact/contact.hpp"
 #include "mpm_solver/contact/group_memory.hpp"
 #include "mpm_solver/contact/group_nodes.hpp"
 
@@ -22,7 +23,7 @@ namespace gabion::mpm {
 /// constant in it (NewmarkBossak::step_force_weight). A member is a pair of groups. Refers to the
 /// groups. @pre one rank
 template <int dim>
-class GroupContact final : public Contact<dim> {
+class GroupContact final : public WholeContact<dim>, public ContactSubsteps<dim> {
  public:
   /// @param num_places  nodes of the grid
   GroupContact(const BodyGroups& groups, std::int32_t num_places)
@@ -42,13 +43,14 @@ class GroupContact final : public Contact<dim> {
   bool is_step_force() const override { return true; }
   void add_step_force_change(std::span<double> f) const override;
 
+  ContactSubsteps<dim>& substeps() override { return *this; }
   void begin_substeps() override;
   void add_substep(std::span<const double> move, double share) override;
   void add_stiffness_sums(std::span<double> sums) const override;
 
   std::vector<double> forces_on_structure(std::size_t = 0) const override { return {}; }
   /// None: the forces act between bodies.
-  typename Contact<dim>::Resultant resultant(std::size_t = 0) const override { return {}; }
+  ContactResultant<dim> resultant(std::size_t = 0) const override { return {}; }
   /// Forces of the first groups of the pairs on the second ones in the accepted step, its mean [N].
   const std::vector<Vector<dim>>& forces() const { return accepted_; }
   double work_on_soil(std::span<const double> du) const override;

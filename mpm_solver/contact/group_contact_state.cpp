@@ -147,8 +147,7 @@ void GroupContact<dim>::visit_state(StateVisitor& visitor, const std::string& pr
   visitor.fact(prefix + "groups", found);
   require(found == own, "saved state: found the contact groups {}, allowed: those of this run, {}",
           found.dump(), own.dump());
-  own_.visit_state(visitor, prefix, num_places_,
-                      static_cast<std::int32_t>(groups_.pairs.size()));
+  own_.visit_state(visitor, prefix, num_places_, static_cast<std::int32_t>(groups_.pairs.size()));
   visitor.reals(prefix + "forces", flat(accepted_));
   const std::pair<const char*, double*> energies[] = {{"stored", &energy_.stored},
                                                       {"friction", &energy_.friction},

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mpm_solver/contact/body_groups.hpp"
-#include "mpm_solver/contact/contact.hpp"
+#include "mpm_solver/contact/soil_surface.hpp"
 #include "mpm_solver/grid/group_fields.hpp"
 
 namespace gabion::mpm {

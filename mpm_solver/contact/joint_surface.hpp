@@ -35,7 +35,7 @@ class JointSurface {
   const FacetSearch<dim>& search() const { return search_; }
   /// All vertices in the accepted state [m].
   const std::vector<Vector<dim>>& start() const { return start_; }
-  /// Those of a member.
+  /// Vertices of a member in the accepted state [m].
   std::span<const Vector<dim>> start_of(std::size_t m) const {
     return std::span(start_).subspan(members_[m].first_vertex, members_[m].num_vertices);
   }
@@ -48,7 +48,7 @@ class JointSurface {
   void begin_step(double sphere) { search_.begin_step(simplices_, start_, sphere); }
   /// See Contact::set_displacement.
   void set_displacement(std::span<const double> displacement, std::size_t member);
-  /// See Contact::set_share.
+  /// See ContactSubsteps::set_share.
   void set_share(double share);
   /// The share of the step at which the vertices are.
   double share() const { return share_; }

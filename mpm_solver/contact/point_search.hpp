@@ -5,9 +5,9 @@
 #include <functional>
 #include <optional>
 
-#include "mpm_solver/contact/contact.hpp"
 #include "mpm_solver/contact/contact_memory.hpp"
 #include "mpm_solver/contact/joint_surface.hpp"
+#include "mpm_solver/contact/soil_surface.hpp"
 #include "mpm_solver/grid/surface_values.hpp"
 
 namespace gabion::mpm {
@@ -134,7 +134,7 @@ class PointSearch {
     const RememberedContacts<dim>* memory = nullptr;
     const Vector<dim>* offset = nullptr;
   };
-  /// Those of a group of the weights, one after the other.
+  /// Watched points of a group of the weights, one after the other.
   struct WatchedGroup {
     std::int32_t group = 0;
     std::int32_t first = 0, last = 0;

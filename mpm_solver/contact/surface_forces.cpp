@@ -23,7 +23,7 @@ template <int dim>
 InterfaceValues Surfaces<dim>::forces_on_structure() const {
   InterfaceValues forces;
   for (std::size_t k = 0; k < interfaces_.size(); ++k) {
-    auto values = contact_of(k).forces_on_structure(member_of(k));
+    auto values = contact_of(k).results().forces_on_structure(member_of(k));
     const std::vector<double> of_pools = pool_forces_on(k);
     for (std::size_t i = 0; i < of_pools.size(); ++i) values[i] += of_pools[i];
     sum_over_ranks(comm_, std::span<double>(values));
@@ -36,7 +36,7 @@ template <int dim>
 std::vector<double> Surfaces<dim>::forces_on_walls() const {
   std::vector<double> values;
   for (std::size_t k = interfaces_.size(); k < size(); ++k) {
-    typename Contact<dim>::Resultant sum = contact_of(k).resultant(member_of(k));
+    ContactResultant<dim> sum = contact_of(k).results().resultant(member_of(k));
     const std::vector<double> of_pools = pool_forces_on(k);
     const auto& vertices = settings(k).surface.vertices;
     for (std::size_t i = 0; i < of_pools.size(); i += dim) {
@@ -44,7 +44,7 @@ std::vector<double> Surfaces<dim>::forces_on_walls() const {
       sum.add(vertices[i / dim] + moved, Eigen::Map<const Vector<dim>>(of_pools.data() + i));
     }
     auto [force, moment] = sum;
-    typename Contact<dim>::Resultant at_place;
+    ContactResultant<dim> at_place;
     at_place.add(walls_[k - interfaces_.size()].moment_about, force);
     moment -= at_place.moment;
     values.insert(values.end(), force.data(), force.data() + force.size());

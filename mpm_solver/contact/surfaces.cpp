@@ -92,7 +92,7 @@ void Surfaces<dim>::drop(std::size_t surface) {
   const auto [contact, member] = places_[surface];
   dropped_[surface] = 1;
   if (contacts_[contact]->drop(member, true)) return;
-  const ContactEnergy energy = contacts_[contact]->energy();
+  const ContactEnergy energy = contacts_[contact]->state().energy();
   contacts_[contact] = std::make_unique<DroppedContact<dim>>(settings(surface), energy);
 }
 
@@ -140,7 +140,7 @@ const ContactSettings<dim>& Surfaces<dim>::settings(std::size_t surface) const {
 
 template <int dim>
 std::span<const Vector<dim>> Surfaces<dim>::accepted_vertices(std::size_t surface) const {
-  return contact_of(surface).accepted_vertices(member_of(surface));
+  return contact_of(surface).state().accepted_vertices(member_of(surface));
 }
 
 template <int dim>
@@ -170,7 +170,7 @@ void Surfaces<dim>::begin_step(const SoilSurface<dim>& soil) {
   symmetric_ = true;
   for (std::size_t k = 0; k < size(); ++k) {
     touching_[k] = touching[k] > 0;
-    symmetric_ &= !touching_[k] || contact_of(k).symmetric();
+    symmetric_ &= !touching_[k] || contact_of(k).assembly().symmetric();
   }
   if (between_groups_ != nullptr) {
     symmetric_ &= max_over_ranks(comm_, between_groups_->symmetric() ? 0 : 1) == 0;
@@ -186,7 +186,7 @@ bool Surfaces<dim>::may_touch_interface() const {
 template <int dim>
 void Surfaces<dim>::mark_touched(std::span<char> nodes) const {
   for (std::size_t k = 0; k < interfaces_.size(); ++k) {
-    contact_of(k).mark_touched(nodes, member_of(k));
+    contact_of(k).assembly().mark_touched(nodes, member_of(k));
   }
 }
 
@@ -239,7 +239,7 @@ void Surfaces<dim>::refuse_misses(double largest) const {
 
 template <int dim>
 ContactCounts Surfaces<dim>::counts(std::size_t surface) const {
-  ContactCounts counts = contact_of(surface).counts(member_of(surface));
+  ContactCounts counts = contact_of(surface).results().counts(member_of(surface));
   std::int32_t sums[] = {counts.closed, counts.sliding};
   sum_over_ranks(comm_, std::span<std::int32_t>(sums));
   counts.closed = sums[0];
@@ -284,7 +284,7 @@ template <int dim>
 ContactEnergy Surfaces<dim>::energy() const {
   double sums[3] = {};
   for (const auto& contact : contacts_) {
-    const ContactEnergy own = contact->energy();
+    const ContactEnergy own = contact->state().energy();
     sums[0] += own.stored;
     sums[1] += own.friction;
     sums[2] += own.loss;
@@ -296,14 +296,14 @@ ContactEnergy Surfaces<dim>::energy() const {
 template <int dim>
 Vector<dim> Surfaces<dim>::step_force_on(std::span<const std::int64_t> ids) const {
   Vector<dim> sum = Vector<dim>::Zero();
-  for (const auto& contact : contacts_) sum += contact->step_force_on(ids);
+  for (const auto& contact : contacts_) sum += contact->assembly().step_force_on(ids);
   return sum;
 }
 
 template <int dim>
 ContactFields<dim> Surfaces<dim>::fields(std::size_t surface, const MaterialPoints<dim>& points,
                                          double reach) const {
-  ContactFields<dim> fields = contact_of(surface).fields(points, reach, member_of(surface));
+  ContactFields<dim> fields = contact_of(surface).state().fields(points, reach, member_of(surface));
   sum_over_ranks<dim>(comm_, std::span(fields.force));
   sum_over_ranks<dim>(comm_, std::span(fields.slip));
   sum_over_ranks(comm_, std::span(fields.area));
@@ -316,7 +316,7 @@ ContactFields<dim> Surfaces<dim>::fields(std::size_t surface, const MaterialPoin
 
 template <int dim>
 void Surfaces<dim>::begin_at_rest(const SoilAtRest<dim>& rest) {
-  for (const auto& contact : contacts_) contact->begin_at_rest(rest);
+  for (const auto& contact : contacts_) contact->state().begin_at_rest(rest);
 }
 
 template <int dim>
@@ -326,12 +326,12 @@ void Surfaces<dim>::accept() {
 
 template <int dim>
 void Surfaces<dim>::give(std::span<const std::int64_t> ids, Packet& packet) {
-  for (const auto& contact : contacts_) contact->give(ids, packet);
+  for (const auto& contact : contacts_) contact->state().give(ids, packet);
 }
 
 template <int dim>
 void Surfaces<dim>::take(Packet& packet) {
-  for (const auto& contact : contacts_) contact->take(packet);
+  for (const auto& contact : contacts_) contact->state().take(packet);
 }
 
 template <int dim>
@@ -348,7 +348,7 @@ void Surfaces<dim>::visit_state(StateVisitor& visitor) {
           "saved state: found a run {} contact_groups, allowed: the groups of this run",
           has_groups ? "with" : "without");
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    contacts_[k]->visit_state(visitor, fmt::format("boundary_{}.", k));
+    contacts_[k]->state().visit_state(visitor, fmt::format("boundary_{}.", k));
   }
 }
 

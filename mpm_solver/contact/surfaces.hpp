@@ -48,7 +48,7 @@ class Surfaces {
   /// Whether soil can touch an interface in this step: the coupling may then ask for several
   /// solutions.
   bool may_touch_interface() const;
-  /// Contact::mark_touched of all interfaces.
+  /// ContactAssembly::mark_touched of all interfaces.
   void mark_touched(std::span<char> nodes) const;
   /// Pools that press on the front of all surfaces from now on, besides the soil: on the first
   /// rank.
@@ -71,7 +71,7 @@ class Surfaces {
   /// Fill `interface_active` and the counts in `details`.
   void report(StepReport& report) const;
   /// Force on each rigid wall and moment about RigidWallSettings::moment_about, see
-  /// Contact::resultant.
+  /// ContactResults::resultant.
   std::vector<double> forces_on_walls() const;
   /// GroupContact::forces, none without groups. @note Not collective.
   std::vector<Vector<dim>> forces_between_groups() const;
@@ -79,24 +79,24 @@ class Surfaces {
   double approach_step(double dt, double margin) const;
   /// Sums over the contacts.
   ContactEnergy energy() const;
-  /// The same of Contact::step_force_on, of this rank.
+  /// Sum of ContactAssembly::step_force_on over the contacts, for the points of this rank [N].
   Vector<dim> step_force_on(std::span<const std::int64_t> ids) const;
-  /// Contact::fields of all ranks.
+  /// ContactState::fields of all ranks.
   ContactFields<dim> fields(std::size_t surface, const MaterialPoints<dim>& points,
                             double reach) const;
 
-  /// Contact::marks. @note Not collective.
+  /// ContactState::marks. @note Not collective.
   std::span<const ContactMark<dim>> marks(std::size_t surface) const {
-    return contact_of(surface).marks(member_of(surface));
+    return contact_of(surface).state().marks(member_of(surface));
   }
 
-  /// Contact::accepted_vertices of a surface. @note Not collective.
+  /// ContactState::accepted_vertices of a surface. @note Not collective.
   std::span<const Vector<dim>> accepted_vertices(std::size_t surface) const;
 
-  /// Contact::begin_at_rest of all of them.
+  /// ContactState::begin_at_rest of all of them.
   void begin_at_rest(const SoilAtRest<dim>& rest);
   void accept();
-  /// Contact::give and Contact::take of all of them.
+  /// ContactState::give and ContactState::take of all of them.
   void give(std::span<const std::int64_t> ids, Packet& packet);
   void take(Packet& packet);
   void visit_state(StateVisitor& visitor);

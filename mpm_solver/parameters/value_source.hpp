@@ -68,7 +68,7 @@ struct RandomValues {
   double at(const Vector<dim>& x) const { return law.at((*z)[lattice.cell_of(x)]); }
 };
 
-/// Where the values of a key come from.
+/// Source of the values of a key.
 template <int dim>
 struct ValueSource {
   std::variant<double, DepthTable<dim>, std::shared_ptr<const Raster>,

@@ -130,7 +130,7 @@ struct Partners {
 
   explicit Partners(std::int32_t num_nodes)
       : node(num_nodes, -1), distance(num_nodes, std::numeric_limits<double>::infinity()) {}
-  // Of two that are as near the one with the lower number.
+  // The nearest one counts; of two that are as near, the one with the lower number.
   void offer(std::int32_t i, std::int32_t to, double d) {
     if (to < 0 || d > distance[i] || (d == distance[i] && to >= node[i])) return;
     distance[i] = d;

@@ -78,11 +78,11 @@ template <int dim>
 std::vector<double> Equilibrium<dim>::step_force_change() const {
   const auto& contacts = parts_.contacts;
   if (std::none_of(contacts.begin(), contacts.end(),
-                   [](const auto& contact) { return contact->is_step_force(); })) {
+                   [](const auto& contact) { return contact->assembly().is_step_force(); })) {
     return {};
   }
   std::vector<double> change(r_before_walls_.size(), 0.0);
-  for (const auto& contact : contacts) contact->add_step_force_change(change);
+  for (const auto& contact : contacts) contact->assembly().add_step_force_change(change);
   shared().sum(change, dim);
   return change;
 }
@@ -109,7 +109,7 @@ void Equilibrium<dim>::pattern(std::vector<std::int32_t>& offsets,
     }
     offsets.push_back(static_cast<std::int32_t>(cell_nodes.size()));
   }
-  for (const auto& contact : parts_.contacts) contact->append_cells(offsets, cell_nodes);
+  for (const auto& contact : parts_.contacts) contact->assembly().append_cells(offsets, cell_nodes);
   if (parts_.ghost != nullptr) parts_.ghost->append_cells(offsets, cell_nodes);
 }
 
@@ -172,7 +172,7 @@ void Equilibrium<dim>::sum_forces(std::span<const double> du, std::span<double> 
   f_sum_ = internal_.forces();
   for (std::size_t k = 0; k < parts_.f_pore.size(); ++k) f_sum_[k] -= parts_.f_pore[k];
   std::fill(r.begin(), r.end(), 0.0);
-  for (const auto& contact : parts_.contacts) contact->add_forces(du, r, K);
+  for (const auto& contact : parts_.contacts) contact->assembly().add_forces(du, r, K);
   if (parts_.ghost != nullptr) parts_.ghost->add_forces(du, r, K);
   if (K && supported_) {
     const double support = support_share * K->mean_diagonal();

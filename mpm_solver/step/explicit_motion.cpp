@@ -71,7 +71,8 @@ template <int dim>
 void ExplicitMotion<dim>::find_lasting() {
   const SharedNodes& shared = parts_.stress.nodes.shared;
   std::vector<double> lasting(v_start_.size(), 0.0);
-  for (const auto& contact : parts_.surfaces.contacts()) contact->add_lasting_forces(lasting);
+  for (const auto& contact : parts_.surfaces.contacts())
+    contact->substeps().add_lasting_forces(lasting);
   const bool own = std::any_of(lasting.begin(), lasting.end(), [](double f) { return f != 0; });
   if (shared.all(!own)) return;
   shared.sum(lasting, dim);
@@ -88,8 +89,8 @@ bool ExplicitMotion<dim>::add_contact(std::span<const double> u, double share, d
   const SharedNodes& shared = parts_.stress.nodes.shared;
   std::fill(F_.begin(), F_.end(), 0.0);
   for (const auto& contact : parts_.surfaces.contacts()) {
-    contact->set_share(share);
-    contact->add_forces(u, F_, nullptr);
+    contact->substeps().set_share(share);
+    contact->assembly().add_forces(u, F_, nullptr);
   }
   const bool own = std::any_of(F_.begin(), F_.end(), [](double f) { return f != 0; });
   touches_ = !shared.all(!own);
@@ -97,7 +98,8 @@ bool ExplicitMotion<dim>::add_contact(std::span<const double> u, double share, d
   shared.sum(F_, dim);
   respond(F_, A_F_);
   std::vector<double> row_sums(F_.size() / dim, 0.0);
-  for (const auto& contact : parts_.surfaces.contacts()) contact->add_stiffness_sums(row_sums);
+  for (const auto& contact : parts_.surfaces.contacts())
+    contact->substeps().add_stiffness_sums(row_sums);
   shared.sum(row_sums, 1);
   result_.contact_rate = std::max(result_.contact_rate, inertia_.largest_rate(row_sums));
   return squared_courant(dt, soil_dt, result_.contact_rate) <= std::pow(parts_.largest_courant, 2);
@@ -271,7 +273,7 @@ typename ExplicitMotion<dim>::Outcome ExplicitMotion<dim>::run(int count, double
   context_.dt = parts_.dt / count;
   if (!within_) begin_path(count);
   if (reach_ && !within_) reach_->begin(count);
-  for (const auto& contact : parts_.surfaces.contacts()) contact->begin_substeps();
+  for (const auto& contact : parts_.surfaces.contacts()) contact->substeps().begin_substeps();
   Forces before = start_;
   for (int k = 0; k < count; ++k) {
     const Outcome outcome = do_substep({k, count}, soil_dt, before);
@@ -312,7 +314,7 @@ typename ExplicitMotion<dim>::Outcome ExplicitMotion<dim>::do_substep(const Subs
   }
   if (touches_) {
     for (const auto& contact : parts_.surfaces.contacts()) {
-      contact->add_substep(move_, 1. / substep.count);
+      contact->substeps().add_substep(move_, 1. / substep.count);
     }
   }
   const bool keeps = reach_ && !within_ && reach_->keeps();
@@ -337,7 +339,7 @@ void ExplicitMotion<dim>::finish(const Forces& last) {
   }
   // The contact points are found at the end of the step, for the memory of the surfaces.
   for (const auto& contact : parts_.surfaces.contacts()) {
-    contact->add_forces(result_.du, F_, nullptr);
+    contact->assembly().add_forces(result_.du, F_, nullptr);
   }
   result_.impulse = raw_;
   parts_.walls.project(result_.impulse);

@@ -51,12 +51,12 @@ void add_contact_terms(const Equilibrium<dim>& equilibrium, Nodal du, StepBalanc
   std::vector<double> f(du.size()), change(du.size());
   for (const auto& contact : parts.contacts) {
     std::fill(f.begin(), f.end(), 0.0);
-    contact->add_forces(du, f, nullptr);
-    const double work = contact->work_on_soil(du);
+    contact->assembly().add_forces(du, f, nullptr);
+    const double work = contact->assembly().work_on_soil(du);
     step.boundary_work += work;
     step.time_damping += work;
     for (std::size_t k = 0; k < du.size(); ++k) step.time_damping -= du[k] * f[k];
-    if (!contact->is_step_force()) {
+    if (!contact->assembly().is_step_force()) {
       for (std::int32_t i = 0; i < parts.nodes.size(); ++i) {
         step.boundary_force += at<dim>(Nodal(f), i);
       }
@@ -64,10 +64,10 @@ void add_contact_terms(const Equilibrium<dim>& equilibrium, Nodal du, StepBalanc
       continue;
     }
     for (std::size_t k = 0; k < contact->num_members(); ++k) {
-      step.step_force -= contact->resultant(k).force;
+      step.step_force -= contact->results().resultant(k).force;
     }
     std::fill(change.begin(), change.end(), 0.0);
-    contact->add_step_force_change(change);
+    contact->assembly().add_step_force_change(change);
     for (std::size_t k = 0; k < du.size(); ++k) {
       constant.now[k] += f[k] - extra * change[k];
       constant.before[k] += f[k] - (extra + 1) * change[k];

@@ -257,7 +257,7 @@ class PointStresses {
     return update_lanes(parts, law, b, with_A);
   }
 
-  /// Where the increment of a point begins.
+  /// State in which the increment of a point begins.
   struct PointStart {
     const MaterialState<dim>& state;
     const Matrix<dim>* F;  // of the step up to there, for laws with state variables; null: 1

@@ -84,6 +84,26 @@ class CheckStructure(ScriptCase):
                    SPDX + "A::A(int a, int b) : a_{a}, b_(b) {}\nvoid f();\nint x = f(1, 2, 3, 4, 5, 6);\n")
         self.assertEqual(self.breaches(), [])
 
+    def test_classes_over_all_their_files(self) -> None:
+        """Each file and each function is short enough; the class is not."""
+        function = "void Long<dim>::f() {\n" + "  g();\n" * 37 + "}\n\n"
+        head = HEADER + "template <int dim>\nclass Long final : public Short<dim> {\n  struct Inner {};\n};\n"
+        self.write("coupler/short.hpp", HEADER + "class Short {\n};\nvoid Shorter::f() {}\n")
+        self.write("coupler/long.hpp", head)
+        self.write("coupler/parts.hpp", HEADER + "struct Long::Part {\n" + "  int a;\n" * 7 + "};\n")
+        for part in range(3):
+            self.write(f"coupler/long_{part}.cpp", SPDX + 3 * ("template <int dim>\n" + function))
+        self.assertEqual(self.breaches(), [])  # 3 + 9 x 40 lines, and 9 of a type in it
+        self.expect_breach("coupler/long.hpp", head.replace("};\n};", "};\n" + "  int a;\n" * 29 + "};"),
+                           "Long has 401 lines in 5 files; allowed: 400")
+
+    def test_interfaces(self) -> None:
+        text = HEADER + "class Wide {\n  virtual ~Wide() = default;\n" + "  virtual void f();\n" * 17 + "};\n"
+        self.write("coupler/wide.hpp", text)
+        self.assertEqual(self.breaches(), [])
+        self.expect_breach("coupler/wide.hpp", text.replace("};", "  virtual void f();\n};"),
+                           "Wide has 18 virtual functions; allowed: 17")
+
     def test_one_name_one_type(self) -> None:
         self.write("coupler/a.hpp", HEADER + "class Settings {\n};\n")
         self.write("mpm_solver/b.hpp", HEADER + "struct Balance {\n};\n")

@@ -154,7 +154,7 @@ class MeshBuilder {
     return found->second;
   }
 
-  /// Those of the groups of a block whose lines are cells.
+  /// Names of the groups of a block whose lines are cells.
   std::vector<std::string> line_groups_of(const GmshFile::ElementBlock& block) const {
     if (!lines_ || block.dimension != 1 || block.tags.empty()) return {};
     auto groups = group_names(file_, block);

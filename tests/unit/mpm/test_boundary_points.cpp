@@ -70,9 +70,9 @@ struct SteppedContact {
     for (std::size_t k = 0; k < total.size(); ++k) total[k] += surface_du[k];
     boundary->set_displacement(total);
     r.assign(soil.num_dofs(), 0);
-    boundary->add_forces(du, r, nullptr);
+    boundary->assembly().add_forces(du, r, nullptr);
     trial_displacement_ = total;
-    return boundary->forces_on_structure();
+    return boundary->results().forces_on_structure();
   }
   /// Force on the structure when grid and surface move as wholes.
   Vector<dim> force(const Vector<dim>& grid, const Vector<dim>& surface) {
@@ -153,7 +153,7 @@ void check_action_and_reaction(CellType grid, CellType facet, ContactMode mode, 
     for (std::int32_t i = 0; i < contact.soil.nodes.size(); ++i) {
       on_soil.add(contact.soil.node(i), Eigen::Map<const Vector<dim>>(contact.r.data() + i * dim));
     }
-    EXPECT_GT(contact.boundary->counts().closed, 2);
+    EXPECT_GT(contact.boundary->results().counts().closed, 2);
     EXPECT_GT(on_structure.size, 1);
     EXPECT_LT((on_structure.force + on_soil.force).norm(), 1e-13 * on_soil.size);
     EXPECT_LT((on_structure.moment + on_soil.moment).norm(), 1e-13 * on_soil.size);
@@ -229,10 +229,10 @@ TEST(BoundaryPoints, friction_holds_up_to_its_limit_and_keeps_direction) {
   SteppedContact<3> contact(settings);
   const double normal = penalty * 0.01 * plate_area<3>;
   EXPECT_NEAR(contact.force({0.0024, 0.0032 - 1e-9, 0.01})[2], -normal, 1e-9);
-  EXPECT_EQ(contact.boundary->counts().sliding, 0);  // |(0.0024, 0.0032)| = 0.4 * 0.01
+  EXPECT_EQ(contact.boundary->results().counts().sliding, 0);  // |(0.0024, 0.0032)| = 0.4 * 0.01
   for (const double push : {1.001, 2.0, 10.0}) {
     const Vector<3> f = contact.force({0.0024 * push, 0.0032 * push, 0.01});
-    EXPECT_EQ(contact.boundary->counts().sliding, 1);
+    EXPECT_EQ(contact.boundary->results().counts().sliding, 1);
     EXPECT_LT((f - normal * Vector<3>(-0.24, -0.32, -1)).norm(), 1e-9);
   }
   // What slid is gone: after a long slide, a move back by less than the elastic slip lowers the
@@ -241,7 +241,7 @@ TEST(BoundaryPoints, friction_holds_up_to_its_limit_and_keeps_direction) {
   contact.accept();
   const Vector<3> back = contact.force({-0.002, 0, 0});
   EXPECT_NEAR(back[0], -0.2 * normal, 1e-9);
-  EXPECT_EQ(contact.boundary->counts().sliding, 0);
+  EXPECT_EQ(contact.boundary->results().counts().sliding, 0);
 }
 
 TEST(BoundaryPoints, small_steps_give_the_force_of_one_large_step) {
@@ -297,12 +297,12 @@ TEST(BoundaryPoints, an_open_gap_is_followed) {
   contact.accept();
   EXPECT_NEAR(contact.force(up<2>(-0.004))[1], -penalty * 0.006 * 0.6, 1e-9);  // still closed
   EXPECT_EQ(contact.force(up<2>(-0.0101)), (Vector<2>::Zero()));               // pulled away
-  EXPECT_EQ(contact.boundary->counts().closed, 0);
-  EXPECT_EQ(contact.boundary->counts().penetration, 0);
+  EXPECT_EQ(contact.boundary->results().counts().closed, 0);
+  EXPECT_EQ(contact.boundary->results().counts().penetration, 0);
   contact.accept();
   EXPECT_EQ(contact.force(up<2>(0.00009)), (Vector<2>::Zero()));
   EXPECT_NEAR(contact.force(up<2>(0.0021))[1], -penalty * 0.002 * 0.6, 1e-9);
-  EXPECT_NEAR(contact.boundary->counts().penetration, 0.002, 1e-15);
+  EXPECT_NEAR(contact.boundary->results().counts().penetration, 0.002, 1e-15);
 }
 
 TEST(BoundaryPoints, a_rotated_wall_keeps_its_gap) {
@@ -352,7 +352,7 @@ TEST(BoundaryPoints, cannot_touch_where_no_point_is) {
     EXPECT_EQ(contact.force(up<2>(0.01)).norm() > 0, x == 0.1);
     EXPECT_EQ(contact.boundary->can_touch(), x == 0.1);
     std::vector<std::int32_t> offsets{0}, nodes;
-    contact.boundary->append_cells(offsets, nodes);
+    contact.boundary->assembly().append_cells(offsets, nodes);
     EXPECT_EQ(nodes.size(), x == 0.1 ? 4u : 0u);
   }
 }

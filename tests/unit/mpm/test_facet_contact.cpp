@@ -79,17 +79,17 @@ void check_stiffness(Met<dim>& met, const std::vector<double>& du) {
   K.set_pattern(met.soil.nodes.size(), offsets, nodes);
   K.set_zero();
   std::vector<double> r(n, 0.0), plus(n), minus(n), column(n), unit(n, 0.0);
-  met.contact->add_forces(du, r, &K);
+  met.contact->assembly().add_forces(du, r, &K);
   double largest = 0, worst = 0;
   for (std::size_t k = 0; k < n; ++k) {
     std::vector<double> shifted = du;
     constexpr double step = 1e-7;
     shifted[k] += step;
     std::fill(plus.begin(), plus.end(), 0.0);
-    met.contact->add_forces(shifted, plus, nullptr);
+    met.contact->assembly().add_forces(shifted, plus, nullptr);
     shifted[k] -= 2 * step;
     std::fill(minus.begin(), minus.end(), 0.0);
-    met.contact->add_forces(shifted, minus, nullptr);
+    met.contact->assembly().add_forces(shifted, minus, nullptr);
     std::fill(column.begin(), column.end(), 0.0);
     unit[k] = 1;
     K.multiply(unit, column);
@@ -123,9 +123,9 @@ TEST(FacetContact, stiffness_is_the_derivative_of_the_force) {
           Met<dim> met(floor_below<dim>(-0.005, friction), type, basis, elastic);
           const auto du = pressed_down(met, along);
           check_stiffness(met, du);
-          EXPECT_GT(met.contact->counts().closed, 3);
+          EXPECT_GT(met.contact->results().counts().closed, 3);
           if (friction > 0 && along > 0.01) {
-            EXPECT_GT(met.contact->counts().sliding, 0);
+            EXPECT_GT(met.contact->results().counts().sliding, 0);
           }
         }
       }
@@ -141,7 +141,7 @@ TEST(FacetContact, stiffness_of_friction_that_falls_with_the_speed) {
       settings.drag = drag;
       Met<dim> met(settings, type, basis, false);
       check_stiffness(met, pressed_down(met, 0.05));
-      EXPECT_GT(met.contact->counts().sliding, 0);
+      EXPECT_GT(met.contact->results().counts().sliding, 0);
     }
   });
 }
@@ -153,7 +153,7 @@ TEST(FacetContact, stiffness_of_soil_that_took_its_weight) {
     for (const double friction : {-1.0, 0.3}) {
       Met<dim> met(floor_below<dim>(-0.005, friction), type, basis, false, true);
       check_stiffness(met, pressed_down(met, 0.05));
-      EXPECT_GT(met.contact->counts().closed, 3);
+      EXPECT_GT(met.contact->results().counts().closed, 3);
     }
   });
 }
@@ -165,18 +165,19 @@ TEST(FacetContact, action_is_reaction) {
     Met<dim> met(floor_below<dim>(-0.005, 0.3), type, basis, true);
     const auto du = pressed_down(met, 0.05);
     std::vector<double> r(met.soil.num_dofs(), 0.0);
-    met.contact->add_forces(du, r, nullptr);
+    met.contact->assembly().add_forces(du, r, nullptr);
     ForceAndMoment<dim> on_soil, on_structure;
     for (std::int32_t i = 0; i < met.soil.nodes.size(); ++i) {
       on_soil.add(met.soil.node(i), Eigen::Map<const Vector<dim>>(r.data() + i * dim) / 1.7);
     }
-    const auto forces = met.contact->forces_on_structure();
+    const auto forces = met.contact->results().forces_on_structure();
     for (std::size_t k = 0; k < forces.size(); k += dim) {
       on_structure.force += Eigen::Map<const Vector<dim>>(forces.data() + k);
     }
     EXPECT_GT(on_soil.size, 1);
     EXPECT_LT((on_soil.force + on_structure.force).norm(), 1e-12 * on_soil.size);
-    EXPECT_LT((met.contact->resultant().force - on_structure.force).norm(), 1e-12 * on_soil.size);
+    EXPECT_LT((met.contact->results().resultant().force - on_structure.force).norm(),
+              1e-12 * on_soil.size);
   });
 }
 
@@ -194,7 +195,7 @@ TEST(FacetContact, force_begins_where_soil_touches) {
           du.insert(du.end(), {0, -gap - deep});
         }
         std::vector<double> r(met.soil.num_dofs(), 0.0);
-        met.contact->add_forces(du, r, nullptr);
+        met.contact->assembly().add_forces(du, r, nullptr);
         // Points lie as deep as their rule says; their areas add up to V / (2 R).
         double area = 0;
         for (std::int32_t p = 0; p < met.soil.points.size(); ++p) {
@@ -202,7 +203,8 @@ TEST(FacetContact, force_begins_where_soil_touches) {
           if (met.soil.points.x[p][1] < 1.1 * depth) area += met.soil.points.V0[p] / (2 * depth);
         }
         const double depth = 3 * std::max(0.0, deep);
-        EXPECT_NEAR(met.contact->resultant().force[1], -50 * modulus * depth * depth * area, 1e-9)
+        EXPECT_NEAR(met.contact->results().resultant().force[1],
+                    -50 * modulus * depth * depth * area, 1e-9)
             << gap << " " << deep;
       }
     }
@@ -229,8 +231,8 @@ TEST(FacetContact, inside_corners_push_by_the_shortest_way_out) {
         du.insert(du.end(), {-0.01 + 5e-6 * k, -0.01});
       }
       std::vector<double> r(met.soil.num_dofs(), 0.0);
-      met.contact->add_forces(du, r, nullptr);
-      const double force = met.contact->resultant().force.norm();
+      met.contact->assembly().add_forces(du, r, nullptr);
+      const double force = met.contact->results().resultant().force.norm();
       if (k > 0) jump = std::max(jump, std::abs(force - before));
       largest = std::max(largest, force);
       before = force;
@@ -259,7 +261,7 @@ double largest_change(const ContactSettings<2>& settings, mpm::Basis basis, bool
       du.insert(du.end(), move.data(), move.data() + 2);
     }
     force.assign(du.size(), 0.0);
-    met.contact->add_forces(du, force, nullptr);
+    met.contact->assembly().add_forces(du, force, nullptr);
     for (std::size_t i = 0; k > 0 && i < force.size(); ++i) {
       largest = std::max(largest, std::abs(force[i] - before[i]));
     }
@@ -290,12 +292,12 @@ TEST(FacetContact, a_plate_that_is_pulled_off_leaves_no_force) {
   const std::vector<double> du(met.soil.num_dofs(), 0.0);
   std::vector<double> r(met.soil.num_dofs(), 0.0);
   met.contact->set_displacement({{0, 0.01, 0, 0.01, 0, 0.01}});
-  met.contact->add_forces(du, r, nullptr);
-  EXPECT_LT(met.contact->resultant().force[1], -1);
+  met.contact->assembly().add_forces(du, r, nullptr);
+  EXPECT_LT(met.contact->results().resultant().force[1], -1);
   met.contact->set_displacement({{0, -0.02, 0, -0.02, 0, -0.02}});
-  met.contact->add_forces(du, r, nullptr);
-  EXPECT_EQ(met.contact->resultant().force, (Vector<2>::Zero()));
-  EXPECT_EQ(met.contact->counts().closed, 0);
+  met.contact->assembly().add_forces(du, r, nullptr);
+  EXPECT_EQ(met.contact->results().resultant().force, (Vector<2>::Zero()));
+  EXPECT_EQ(met.contact->results().counts().closed, 0);
 }
 
 }  // namespace

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solver_program/ranked_state.hpp"
-#include "tests/unit/mpm/collapse.hpp"
+#include "tests/unit/mpm/steps_on_ranks.hpp"
 
 namespace gabion::test {
 namespace {
@@ -46,23 +45,9 @@ Json scene(const GroupCase& given) {
          {{{"groups", {"bed", "block"}}, {"friction", 0.3}},
           {{"groups", {"bed", "other"}}, {"friction", 0.5}},
           {{"groups", {"block", "other"}}, {"friction", 0.2}}}}}}};
-  if (given.scheme == "explicit") {
-    json["time_integration"] = {{"scheme", "explicit"}};
-  } else {
-    json["time_integration"] = {{"scheme", given.scheme}};
-    json["newton"] = exact_newton;
-    json["linear_solver"] = {{"method", "mumps"}};
-  }
+  if (given.scheme != "explicit") json["time_integration"] = {{"scheme", given.scheme}};
+  solve_exactly(given.scheme, json);
   return json;
-}
-
-void run(Solver& solver, double dt, int first, int last) {
-  InterfaceValues forces;
-  for (int n = first; n <= last; ++n) {
-    const StepRequest step{n, 0, (n - 1) * dt, dt};
-    solver.solve_step(step, {}, forces);
-    solver.accept_step(step, true);
-  }
 }
 
 double probe_of(const Solver& solver, const std::string& name) {

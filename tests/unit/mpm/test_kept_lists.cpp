@@ -360,9 +360,9 @@ class Falling {
       contact.set_displacement(u, m);
     }
     std::vector<double> r(soil_.num_dofs(), 0.0);
-    contact.add_forces(displacement(move), r, nullptr);
+    contact.assembly().add_forces(displacement(move), r, nullptr);
     for (std::size_t m = 0; m < 2; ++m) {
-      const auto on_surface = contact.forces_on_structure(m);
+      const auto on_surface = contact.results().forces_on_structure(m);
       r.insert(r.end(), on_surface.begin(), on_surface.end());
       r.push_back(contact.can_touch(m) ? 1 : 0);
     }
@@ -405,7 +405,7 @@ void check_order(Falling<dim>& scene, const State& state, const std::vector<doub
                  const Path<dim>& path) {
   const auto other = scene.fresh();
   StateReader reader(state);
-  other->visit_state(reader, "contact.");
+  other->state().visit_state(reader, "contact.");
   scene.begin(*other);
   for (const double share : {4.0, 9.0}) {
     EXPECT_EQ(scene.forces(*other, path.plate, share * path.move),
@@ -423,10 +423,10 @@ void check_steps(mpm::Basis basis, bool elastic) {
   for (int step = 0; step < 16; ++step) {
     State state;
     StateWriter writer(state);
-    scene.contact().visit_state(writer, "contact.");
+    scene.contact().state().visit_state(writer, "contact.");
     const auto anew = scene.fresh();
     StateReader reader(state);
-    anew->visit_state(reader, "contact.");
+    anew->state().visit_state(reader, "contact.");
     scene.begin(scene.contact());
     scene.begin(*anew);
     Vector<dim> move = Vector<dim>::Zero();

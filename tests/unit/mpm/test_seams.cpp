@@ -261,13 +261,14 @@ TEST(Seams, each_side_has_its_own_friction) {
                             piece({{0.45, 0.005}, {-0.4, 0.005}}, 0)};
   Drawn<2> soil(pieces);
   soil.forces({0.3, -0.02});
-  const auto rough = soil.contact().resultant(0).force, smooth = soil.contact().resultant(1).force;
+  const auto rough = soil.contact().results().resultant(0).force,
+             smooth = soil.contact().results().resultant(1).force;
   EXPECT_LT(rough[1], -1);
   EXPECT_LT(smooth[1], -1);
   EXPECT_NEAR(rough[0], -0.2 * rough[1], 1e-9);
   EXPECT_NEAR(smooth[0], 0, 1e-9);
-  EXPECT_EQ(soil.contact().forces_on_structure(0).size(), 4u);
-  EXPECT_GT(soil.contact().counts(0).sliding, 0);
+  EXPECT_EQ(soil.contact().results().forces_on_structure(0).size(), 4u);
+  EXPECT_GT(soil.contact().results().counts(0).sliding, 0);
 }
 
 /// Members with the soil between them push each for itself, as jaws.

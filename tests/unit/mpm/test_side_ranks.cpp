@@ -3,8 +3,7 @@
 // one, or whose points of the other side another rank has.
 #include <gtest/gtest.h>
 
-#include "solver_program/ranked_state.hpp"
-#include "tests/unit/mpm/collapse.hpp"
+#include "tests/unit/mpm/steps_on_ranks.hpp"
 
 namespace gabion::test {
 namespace {
@@ -47,22 +46,8 @@ Json scene(const SideCase& given) {
                       material, {9, -0.5}),
                  body("behind", box({right, 0}, {right + 0.3, h * rows}, {3, rows}, "quad4"), 4,
                       material, {-1, 0})}}};
-  if (given.scheme == "explicit") {
-    json["time_integration"] = {{"scheme", "explicit"}};
-  } else {
-    json["newton"] = exact_newton;
-    json["linear_solver"] = {{"method", "mumps"}};
-  }
+  solve_exactly(given.scheme, json);
   return json;
-}
-
-void run(Solver& solver, double dt, int first, int last) {
-  InterfaceValues forces;
-  for (int n = first; n <= last; ++n) {
-    const StepRequest step{n, 0, (n - 1) * dt, dt};
-    solver.solve_step(step, {}, forces);
-    solver.accept_step(step, true);
-  }
 }
 
 /// The same steps on all ranks together and on each rank alone; a restart on the other number in

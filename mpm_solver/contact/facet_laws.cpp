@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mpm_solver/contact/facet_laws.hpp"
+
+#include <algorithm>
+
+namespace gabion::mpm {
+
+template <int dim>
+FacetLaws<dim>::FacetLaws(const std::vector<const ContactSettings<dim>*>& members,
+                          const JointSurface<dim>& surface, const PointSearch<dim>& search)
+    : surface_(surface), search_(search) {
+  for (const auto* settings : members) {
+    Member& member = members_.emplace_back();
+    member.mode = settings->mode;
+    member.friction = settings->friction;
+    member.drained = settings->drained;
+    member.drag = settings->drag;
+    member.weakening = settings->weakening;
+    member.method = std::get<FacetSettings>(settings->method);
+  }
+}
+
+template <int dim>
+ContactLaw FacetLaws<dim>::law_of(const ContactCandidate<dim>& c, std::int32_t owner,
+                                  double part) const {
+  const Member& member = members_[owner];
+  const FacetSettings& method = member.method;
+  const double M = c.modulus, h = cell_size_;
+  ContactLaw law{.mode = member.mode,
+                 .friction = member.friction,
+                 .penalty = method.penalty_factor * M / (h * h),
+                 .tangential_penalty = part * method.tangential_factor * M / h,
+                 .normal = NormalLaw::quadratic,
+                 .drag = member.drag,
+                 .time = search_.soil() ? surface_.share() * search_.soil()->dt : 0,
+                 .weakening = member.weakening};
+  const double k = method.resting_factor;
+  if (c.took_weight && k * k * M > 4 * c.weight * method.penalty_factor) {
+    law.penalty = k * k * M / (4 * c.weight) * M / (h * h);
+    law.linear_from = 2 * h * c.weight / (k * M);
+  }
+  return law;
+}
+
+template <int dim>
+double FacetLaws<dim>::pore_pressure_at(const ContactCandidate<dim>& c, std::int32_t owner,
+                                        double radius, const Vector<dim>& n) const {
+  const std::optional<SoilSurface<dim>>& soil = search_.soil();
+  if (!soil || soil->pore_pressures.empty() || members_[owner].drained) return 0;
+  const double below = radius * n.dot(soil->water_weight);
+  return std::max(0.0, c.pore_pressure - below);
+}
+
+template class FacetLaws<2>;
+template class FacetLaws<3>;
+
+}  // namespace gabion::mpm

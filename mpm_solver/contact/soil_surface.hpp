@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "mpm_solver/grid/grid_nodes.hpp"
+#include "mpm_solver/points/laid_sides.hpp"
+
+namespace gabion::mpm {
+
+/// What a step shows a contact of the soil, at the accepted positions.
+template <int dim>
+struct SoilSurface {
+  const BackgroundGrid<dim>& grid;
+  const GridNodes<dim>& nodes;        ///< active ones
+  const MaterialPoints<dim>& points;  ///< of this rank
+  const PointWeights<dim>& weights;   ///< of this rank's points
+  /// 1 for grid cells with a point of any rank; on the first rank, where a contact asks_for_cells
+  const SparseList<char>* occupied = nullptr;
+  bool has_points(std::int32_t cell) const { return (*occupied)[cell] != 0; }
+  double reach = 0;                  ///< how far soil extends beyond its points [m]
+  double cell_size = 0;              ///< mean [m]
+  double dt = 0;                     ///< of the step [s]
+  double step_force_weight = 1;      ///< of NewmarkBossak; quasi-static: 1
+  std::span<const char> elastic{};   ///< 1 for bodies that never yield
+  std::span<const double> moduli{};  ///< of P waves, of the bodies [Pa]
+  /// Soil takes its weight in the step: it is quasi-static, or gravity grows. New contacts are then
+  /// as stiff as the pressures of that weight ask for.
+  bool takes_weight = false;
+  std::span<const double> weights_of{};  ///< pressure under each body by its own weight [Pa]
+  /// Pressure of pore water that drains at the points when the step begins, -infinity of others
+  /// [Pa]; empty: none drains.
+  std::span<const double> pore_pressures{};
+  Vector<dim> water_weight = Vector<dim>::Zero();  ///< of that water, rho_w g [N/m^3]
+  MPI_Comm comm = MPI_COMM_SELF;                   ///< of the ranks that share the soil
+};
+
+/// Soil as it was laid when the run begins.
+template <int dim>
+struct SoilAtRest {
+  /// Sides that a point was laid at.
+  std::function<std::vector<LaidSide<dim>>(std::int32_t body, std::int64_t id)> sides;
+  /// 1 for bodies under stress. The others lie on a surface and do not press on it.
+  std::vector<char> is_stressed;
+  /// Cauchy stresses of a body under stress along the axes at a place [Pa].
+  std::function<Vector<dim>(std::int32_t body, const Vector<dim>& x)> stress;
+  /// Soil that is farther from a surface does not lie on it [m].
+  double deepest_row = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace gabion::mpm
