@@ -333,8 +333,8 @@ void check_contact(mpm::ContactMode mode, double friction, double sideways, int 
   const Eigen::VectorXd du = balance.random_du(0.004);
   EXPECT_LT(balance.error(du, 2e-6), 1e-7);
   balance.residual(du);
-  EXPECT_EQ(contact.counts().closed, 4);
-  EXPECT_EQ(contact.counts().sliding, sliding);
+  EXPECT_EQ(contact.results().counts().closed, 4);
+  EXPECT_EQ(contact.results().counts().sliding, sliding);
 }
 
 TEST(EquilibriumTangent, contact_that_sticks_slides_slips_or_holds) {

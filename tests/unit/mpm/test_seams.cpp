@@ -88,7 +88,7 @@ class Drawn {
       du.insert(du.end(), u.data(), u.data() + dim);
     }
     std::vector<double> r(du.size(), 0.0);
-    contact_->add_forces(du, r, nullptr);
+    contact_->assembly().add_forces(du, r, nullptr);
     return r;
   }
   mpm::Contact<dim>& contact() { return *contact_; }
