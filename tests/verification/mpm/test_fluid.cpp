@@ -70,16 +70,15 @@ double largest_way(const Tank& tank) {
 TEST(Fluid, stays_at_rest_under_its_weight) {
   for (const std::string scheme : {"bossak", "explicit"}) {
     for (const double depth : {0.5, 0.5 + 1.0 / 32}) {
-      verify(
-          {.id = "fluid",
-           .what = fmt::format(
-               "P9, water alone, at rest in a tank, {} steps, surface {} a cell: largest way of a "
-               "point in 0.4 s over the size of a cell",
-               scheme, depth == 0.5 ? "at the edge of" : "in the middle of"),
-           .exact = 0,
-           .computed = largest_way({.length = 0.5, .depth = depth, .scheme = scheme}),
-           .measure = Measure::absolute_error,
-           .bound = 1e-5});
+      verify({.id = "fluid",
+              .what = fmt::format(
+                  "P9, water alone, at rest in a tank, {} steps, surface {} a cell: largest "
+                  "displacement of a point in 0.4 s over the size of a cell",
+                  scheme, depth == 0.5 ? "at the edge of" : "in the middle of"),
+              .exact = 0,
+              .computed = largest_way({.length = 0.5, .depth = depth, .scheme = scheme}),
+              .measure = Measure::absolute_error,
+              .bound = 1e-5});
     }
   }
 }

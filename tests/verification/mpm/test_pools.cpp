@@ -78,8 +78,8 @@ TEST(VW4_Pool, lets_soil_rest) {
     double largest = 0;
     for (const auto& u : solver->points().u) largest = std::max(largest, u.norm());
     verify({.id = "VW4",
-            .what = fmt::format("P9, soil under {:g} m of water, 1000 steps: largest way of a "
-                                "point over the size of a cell",
+            .what = fmt::format("P9, soil under {:g} m of water, 1000 steps: largest "
+                                "displacement of a point over the size of a cell",
                                 level - 1),
             .exact = 0,
             .computed = largest * 8,

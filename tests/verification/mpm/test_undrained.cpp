@@ -132,7 +132,7 @@ void expect_wave(const Bar& bar) {
           .computed = behind / count / stress,
           .bound = 0.005});
   verify({.id = "VW8",
-          .what = what + "way of the front, by momentum",
+          .what = what + "displacement of the front, by momentum",
           .exact = c * steps * dt,
           .computed = momentum / (saturated_density * h * v),
           .bound = 1e-4,
