@@ -301,8 +301,9 @@ void WallConditions<dim>::select(const GridNodes<dim>& nodes) {
   projectors_.clear();
   for (std::int32_t field = 0; field < nodes.num_fields; ++field) {
     for (std::size_t k = 0; k < nodes_.size(); ++k) {
-      const std::int32_t i = nodes.active[nodes_[k].grid_node + field * nodes.num_places];
-      if (i < 0) continue;
+      const std::int32_t node = nodes_[k].grid_node + field * nodes.num_places;
+      const std::int32_t i = nodes.active[node];
+      if (i < 0 || nodes.grid_node[i] != node) continue;  // inactive, or it joined another one
       selected_.push_back(k);
       constrained_.push_back(i);
       projectors_.push_back(nodes_[k].Q);
