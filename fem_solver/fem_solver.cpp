@@ -146,9 +146,6 @@ Json FemSolver<dim>::summary() const {
 template <int dim>
 State FemSolver<dim>::save_state() {
   const MeshRanks& ranks = settings_.ranks;
-  // A matrix of cells with history depends on their history at the time: the step after a saved
-  // state begins without, in this run as in one that goes on from it.
-  if (state_.history) state_.tangent.reset();
   StructureState own = state_;
   for (const auto& [name, values] : own.nodal_vectors()) {
     *values = ranks.owned(std::move(*values), dim);
@@ -160,11 +157,11 @@ State FemSolver<dim>::save_state() {
   if (step_.equilibrium().damped()) own.visit_damping(writer);
   if (step_.equilibrium().cracks()) own.visit_damage(writer);
   if (own.history) {
-    const CellIntegrals<dim>& cells = step_.equilibrium().cells();
-    HistoryRows rows{.cells = ranks.own_elements(settings_.mesh),
-                     .width = static_cast<std::int64_t>(cells.history_width()),
-                     .values = cells.history_rows(*own.history)};
+    HistoryRows rows = rows_of(own.history);
     own.visit_history(writer, rows);
+    bool same = own.tangent && own.tangent->history == own.history;
+    HistoryRows of_tangent = own.tangent && !same ? rows_of(own.tangent->history) : HistoryRows{};
+    own.visit_tangent_history(writer, same, of_tangent);
   }
   return state;
 }
@@ -180,14 +177,18 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
   const Mesh<dim>& mesh = settings_.mesh;
   const MeshRanks& ranks = settings_.ranks;
   StructureState loaded;
-  HistoryRows history;
+  HistoryRows history, of_tangent;
+  bool same = false;
   std::vector<std::int64_t> nodes;
   together(ranks.comm(), [&] {
     StateJoiner joiner(first, own);
     loaded.visit_state(joiner, nodes);
     if (step_.equilibrium().damped()) loaded.visit_damping(joiner);
     if (step_.equilibrium().cracks()) loaded.visit_damage(joiner);
-    if (state_.history) loaded.visit_history(joiner, history);
+    if (state_.history) {
+      loaded.visit_history(joiner, history);
+      loaded.visit_tangent_history(joiner, same, of_tangent);
+    }
     for (const auto& [name, values] : loaded.nodal_vectors()) {
       require(values->size() == nodes.size() * dim,
               "saved state: \"{}\" has {} values for {} nodes, allowed: {} a node", name,
@@ -199,7 +200,18 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
                                "saved state: nodes");
   for (const auto& [name, values] : loaded.nodal_vectors()) *values = holders.send(*values, dim);
   if (state_.history) loaded.history = history_of(history);
+  if (state_.history && loaded.tangent) {
+    loaded.tangent->history = same ? loaded.history : history_of(of_tangent);
+  }
   state_ = std::move(loaded);
+}
+
+template <int dim>
+HistoryRows FemSolver<dim>::rows_of(const CellHistory& history) const {
+  const CellIntegrals<dim>& cells = step_.equilibrium().cells();
+  return {.cells = settings_.ranks.own_elements(settings_.mesh),
+          .width = static_cast<std::int64_t>(cells.history_width()),
+          .values = cells.history_rows(*history)};
 }
 
 /// Send the rows to the ranks that have the cells here.

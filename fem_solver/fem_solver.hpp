@@ -56,6 +56,7 @@ class FemSolver final : public Solver, public DisplacedAtStart {
   const MeshRanks& ranks() const { return settings_.ranks; }
 
  private:
+  HistoryRows rows_of(const CellHistory& history) const;
   CellHistory history_of(const HistoryRows& saved) const;
   ExternalForces interface_forces(const InterfaceValues& received, double dt) const;
   InterfaceValues interface_displacements(const StructureState& state) const;

@@ -83,6 +83,12 @@ void RankedSolver::step_together(const std::function<void()>& work) {
   if (before) traffic_ += *mpi_traffic() - *before;
 }
 
+void RankedSolver::output_together(const std::function<void()>& work) {
+  const double before = cpu_seconds();
+  together(work);
+  output_seconds_ += cpu_seconds() - before;
+}
+
 /// Largest and sum of a number of each rank.
 template <class Number>
 Json RankedSolver::over_ranks(Number own) const {
@@ -124,7 +130,7 @@ void RankedSolver::reject_step() {
 }
 
 void RankedSolver::write_output(double time) {
-  together([&] { inner_.write_output(time); });
+  output_together([&] { inner_.write_output(time); });
 }
 
 std::vector<double> RankedSolver::probes() const {
@@ -138,6 +144,7 @@ Json RankedSolver::summary() const {
   together([&] { result = inner_.summary(); });
   result["peak_memory"] = over_ranks(peak_memory());
   result["cpu_seconds"] = over_ranks(cpu_seconds());
+  result["output_cpu_seconds"] = over_ranks(output_seconds_);
   if (size_ > 1 && mpi_traffic()) {
     result["mpi"] = {{"messages", over_ranks(traffic_.messages)},
                      {"message_bytes", over_ranks(traffic_.message_bytes)},
@@ -150,7 +157,7 @@ Json RankedSolver::summary() const {
 
 State RankedSolver::save_state() {
   State all;
-  together([&] { all = gather_state(comm_, inner_.save_state()); });
+  output_together([&] { all = gather_state(comm_, inner_.save_state()); });
   return all;
 }
 
@@ -166,7 +173,7 @@ State RankedSolver::save_state_to(const std::string& path) {
     return save_state();
   }
   State all;
-  together([&] { write_ranked_state(comm_, path, inner_.save_state()); });
+  output_together([&] { write_ranked_state(comm_, path, inner_.save_state()); });
   all.file = path;
   return all;
 }

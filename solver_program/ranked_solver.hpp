@@ -35,8 +35,9 @@ class RankedSolver final : public Solver, public DisplacedAtStart, public TakesS
   void reject_step() override;
   void write_output(double time) override;
   std::vector<double> probes() const override;
-  /// Summary of the solver, with `peak_memory` [bytes] and `cpu_seconds` of the programs. On
-  /// several ranks where mpi_traffic() is counted it has `mpi`, what the steps made them send:
+  /// Summary of the solver, with `peak_memory` [bytes], `cpu_seconds` of the programs and
+  /// `output_cpu_seconds` of them, spent on frames and checkpoints. On several ranks where
+  /// mpi_traffic() is counted it has `mpi`, what the steps made them send:
   /// `largest_rank`, `all_ranks`.
   Json summary() const override;
   bool keeps_state() const override { return inner_.keeps_state(); }
@@ -51,13 +52,15 @@ class RankedSolver final : public Solver, public DisplacedAtStart, public TakesS
  private:
   void together(const std::function<void()>& work) const;
   void step_together(const std::function<void()>& work);
+  void output_together(const std::function<void()>& work);
   template <class Number>
   Json over_ranks(Number own) const;
 
   MPI_Comm comm_;
   int size_ = 1;
   Solver& inner_;
-  MpiTraffic traffic_;  // of the steps, where it is counted
+  MpiTraffic traffic_;         // of the steps, where it is counted
+  double output_seconds_ = 0;  // CPU time of frames and checkpoints
 };
 
 }  // namespace gabion

@@ -174,7 +174,7 @@ std::vector<std::int32_t> nearest_heavy_of_groups(MPI_Comm comm, const LightNode
       const std::int32_t i = nodes.active[from];
       for (const std::int32_t to : search.weights.nodes_of(group)) {
         const std::int32_t j = nodes.active[to];
-        if (kinds[to] != heavy || search.walls.holds(nodes.place(j))) continue;
+        if (kinds[to] != heavy || !search.walls.hold_alike(nodes.place(i), nodes.place(j))) continue;
         partners.offer(i, to, (nodes.x[j] - nodes.x[i]).norm());
       }
     }
@@ -211,7 +211,8 @@ std::int32_t join_light_nodes(MPI_Comm comm, const LightNodeSearch<dim>& search,
         nodes.is_doubled(i) ? std::max(search.share, search.doubled_share) : search.share;
     const bool is_light = nodes.m[i] < share * reach[i];
     const bool is_free = !search.walls.holds(nodes.place(i));
-    kinds.at(node) = !is_free ? heavy : is_light ? light : is_weak[i] == 1 ? weak : heavy;
+    const bool may_join = is_free || nodes.is_doubled(i);
+    kinds.at(node) = is_light && may_join ? light : is_weak[i] == 1 && is_free ? weak : heavy;
     any |= joins(kinds[node]);
   }
   if (nodes.shared.all(!any)) return 0;

@@ -32,7 +32,9 @@ struct LightNodeSearch {
 /// other, since friction at its limit holds nothing. It is not solved for: it takes the number of the
 /// nearest heavier node of its grid cells and moves with it, so that mass, weight and every force
 /// on it act there. Weak nodes join the nearest one that is before the surface which they are
-/// behind. Nodes that a wall holds neither join nor are joined; without a partner a node stays.
+/// behind. Nodes that a wall holds neither join nor are joined, but for doubled ones, which have no
+/// ghost stiffness: they join nodes that the same walls hold in the same directions. Without a
+/// partner a node stays.
 ///
 /// @param[in,out] nodes  active, with their mass; numbered anew where a node joined, mass and
 ///                       motion are then to be mapped again

@@ -194,6 +194,18 @@ bool WallConditions<dim>::holds(std::int32_t grid_node) const {
   return k < nodes_.size() && nodes_[k].grid_node == grid_node;
 }
 
+template <int dim>
+bool WallConditions<dim>::hold_alike(std::int32_t a, std::int32_t b) const {
+  if (!holds(a) || !holds(b)) return holds(a) == holds(b);
+  constexpr double round_off = 1e-12;
+  const Node& one = nodes_[index_of(a)];
+  const Node& other = nodes_[index_of(b)];
+  return std::equal(one.holds, one.holds + one.num_holds, other.holds,
+                    other.holds + other.num_holds, [](const Hold& p, const Hold& q) {
+                      return p.wall == q.wall && (p.n - q.n).norm() < round_off;
+                    });
+}
+
 // Remove the direction of `hold` from the range of the node's projector.
 template <int dim>
 void WallConditions<dim>::add(std::size_t k, const Hold& hold) {
@@ -289,8 +301,9 @@ void WallConditions<dim>::select(const GridNodes<dim>& nodes) {
   projectors_.clear();
   for (std::int32_t field = 0; field < nodes.num_fields; ++field) {
     for (std::size_t k = 0; k < nodes_.size(); ++k) {
-      const std::int32_t i = nodes.active[nodes_[k].grid_node + field * nodes.num_places];
-      if (i < 0) continue;
+      const std::int32_t node = nodes_[k].grid_node + field * nodes.num_places;
+      const std::int32_t i = nodes.active[node];
+      if (i < 0 || nodes.grid_node[i] != node) continue;  // inactive, or it joined another one
       selected_.push_back(k);
       constrained_.push_back(i);
       projectors_.push_back(nodes_[k].Q);

@@ -47,6 +47,8 @@ class WallConditions {
 
   /// Whether a wall holds this node of the grid.
   bool holds(std::int32_t grid_node) const;
+  /// Whether the same walls hold both nodes of the grid along the same directions, or none does.
+  bool hold_alike(std::int32_t a, std::int32_t b) const;
 
   /// The one direction along which the walls hold every node of the grid, within flush_angle: soil
   /// then deforms in the plane across it, as in a slice of one cell between slip walls. Null if

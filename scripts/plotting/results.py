@@ -80,18 +80,30 @@ def require_time(option: str, time: float, first: float, last: float) -> None:
                            "the last frame")
 
 
+# Corners of the cells of second order; their nodes stand first.
+CORNERS = {"Edge_3": 2, "Triangle_6": 3, "Quadrilateral_8": 4, "Quadrilateral_9": 4, "Tetrahedron_10": 4,
+           "Hexahedron_20": 8, "Hexahedron_27": 8}
+
+
 @dataclass
 class Frame:
     """One instant of a time series.
 
     points: num_points x 2 or 3; cells: num_cells x nodes_per_cell, or None for a cloud of points;
-    field names are looked up on reading.
+    field names are looked up on reading; on_cells: those of a value a cell; kind: of the cells, as XDMF names it.
     """
 
     time: float
     points: np.ndarray
     cells: np.ndarray | None
     fields: dict[str, np.ndarray]
+    on_cells: frozenset[str] = frozenset()
+    kind: str = ""
+
+    @property
+    def corners(self) -> np.ndarray | None:
+        """Cells without the nodes on their edges, faces and inside, num_cells x corners; None for a cloud of points."""
+        return self.cells if self.cells is None else self.cells[:, :CORNERS.get(self.kind)]
 
 
 def evenly(count: int, most: int) -> np.ndarray:
@@ -144,7 +156,8 @@ class Series:
             attribute.get("Name"): self._array(attribute.find("DataItem"))
             for attribute in grid.findall("Attribute")
         }
-        return Frame(float(self.times[index]), points, cells, fields)
+        on_cells = frozenset(each.get("Name") for each in grid.findall("Attribute") if each.get("Center") == "Cell")
+        return Frame(float(self.times[index]), points, cells, fields, on_cells, topology.get("TopologyType", ""))
 
     def _array(self, item: ElementTree.Element) -> np.ndarray:
         file, _, dataset = item.text.strip().partition(":")

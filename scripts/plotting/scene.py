@@ -177,8 +177,8 @@ class ScenePlot:
         if frame.cells is None or len(frame.cells) == 0:  # lines alone
             return
         first = structure.frame(0)
-        faces = self.view.faces(frame.points, frame.cells)
-        edges = _outline(self.view.faces(first.points, first.cells))
+        faces = self.view.faces(frame.points, frame.corners)
+        edges = _outline(self.view.faces(first.points, first.corners))
         colour = (0.74, 0.74, 0.74, 1 if self.view.dim == 2 else 0.7)
         axes.add_collection(PolyCollection(self.view.project(frame.points[faces]), facecolor=colour,
                                            edgecolor=STRUCTURE, linewidth=0.4))

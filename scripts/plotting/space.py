@@ -154,9 +154,9 @@ class SpacePlot(ScenePlot):
 
     def _structure_faces(self, structure: Series, time: float) -> np.ndarray:
         frame = structure.frame(structure.nearest(time))
-        if frame.cells is None or frame.cells.shape[1] not in FACES:
+        if frame.cells is None or frame.corners.shape[1] not in FACES:
             return np.zeros((0, 4, 3))
-        return frame.points[outer_faces(frame.cells)]
+        return frame.points[outer_faces(frame.corners)]
 
     def _beam_faces(self, time: float) -> list[np.ndarray]:
         frames = [series.frame(series.nearest(time)) for series in self.beam_surfaces]

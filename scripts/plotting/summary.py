@@ -54,7 +54,9 @@ def _probe_lines(results: Results) -> list[str]:
     table = results.table("probes.csv")
     lines = []
     for point in probe_points(table) if table is not None and table.num_rows else []:
-        for column in displacement_columns(table, point)[:1]:
+        columns = [name for name in displacement_columns(table, point) if np.isfinite(table[name]).any()]
+        if columns:  # the component that moves most
+            column = max(columns, key=lambda name: np.nanmax(np.abs(table[name])))
             values = table[column]
             peak = int(np.nanargmax(np.abs(values)))
             lines.append(

@@ -87,10 +87,24 @@ def plane_view(dim: int, plane: str) -> View:
 
 def outer_faces(cells: np.ndarray) -> np.ndarray:
     """Faces of cells in space that belong to one cell only, num_faces x corners."""
-    return once(np.concatenate([cells[:, corners] for corners in FACES[cells.shape[1]]]))
+    return once(_faces(cells))
+
+
+def cells_of_outer_faces(cells: np.ndarray) -> np.ndarray:
+    """Number of the cell of each of `outer_faces`."""
+    return _which_are_once(_faces(cells)) % len(cells)
+
+
+def _faces(cells: np.ndarray) -> np.ndarray:
+    """First faces of all cells, then second ones, and so on."""
+    return np.concatenate([cells[:, corners] for corners in FACES[cells.shape[1]]])
 
 
 def once(facets: np.ndarray) -> np.ndarray:
     """Those rows of node numbers that are there once, whatever the order of their nodes."""
+    return facets[_which_are_once(facets)]
+
+
+def _which_are_once(facets: np.ndarray) -> np.ndarray:
     _, index, count = np.unique(np.sort(facets, axis=1), axis=0, return_index=True, return_counts=True)
-    return facets[index[count == 1]]
+    return index[count == 1]

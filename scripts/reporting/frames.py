@@ -9,8 +9,9 @@ from scipy.spatial import cKDTree
 from plotting.results import Frame, Results, Series, evenly
 from plotting.scene import ScenePlot, label_of, scalar
 from plotting.space import camera_of
-from plotting.view import FACES, outer_faces
+from plotting.view import FACES, cells_of_outer_faces, outer_faces
 from reporting.rigid import boulder_bytes, packed_boulders, packed_walls, text_of
+from reporting.solids import SolidColours
 
 MAX_BYTES = 1_500_000  # of all frames, before they become text
 MAX_FRAMES, MIN_FRAMES = 80, 12
@@ -37,6 +38,8 @@ class Packer:
         a_point = a_place + len(self.fields)
         shapes, a_frame = boulder_bytes(results)
         a_frame += a_place * sum(len(used) for used, _ in self.meshes)
+        self.colours = SolidColours(solids, [self._owners(structure) for structure in solids])
+        a_frame += self.colours.bytes_of_frame
         a_frame += sum(16 * len(segments) for segments in self.scene.rigid_walls.at(self.scene.times[0]))
         for points in (self.num_points, 4000, 2000, 1000):
             self.num_points = min(self.num_points, points)
@@ -49,17 +52,26 @@ class Packer:
     def _mesh(self, structure: Series) -> tuple[np.ndarray, np.ndarray]:
         """Nodes that are seen, and faces of them; in space from all sides."""
         first = structure.frame(0)
-        if self.view.dim == 3 and first.cells.shape[1] in FACES and structure not in self.scene.beam_surfaces:
-            faces = outer_faces(first.cells)
+        if self._has_outer_faces(structure):
+            faces = outer_faces(first.corners)
         else:
             faces = self._drawn(structure)
         used, numbers = np.unique(faces, return_inverse=True)
         return used, numbers.reshape(faces.shape)
 
+    def _has_outer_faces(self, structure: Series) -> bool:
+        return (self.view.dim == 3 and structure.frame(0).corners.shape[1] in FACES
+                and structure not in self.scene.beam_surfaces)
+
+    def _owners(self, structure: Series) -> np.ndarray:
+        """The cell of each face of `_mesh`."""
+        cells = structure.frame(0).corners
+        return cells_of_outer_faces(cells) if self._has_outer_faces(structure) else np.arange(len(cells))
+
     def _drawn(self, structure: Series) -> np.ndarray:
         """Faces that the flat view draws, by their nodes."""
         first = structure.frame(0)
-        return first.cells if structure in self.scene.beam_surfaces else self.view.faces(first.points, first.cells)
+        return first.cells if structure in self.scene.beam_surfaces else self.view.faces(first.points, first.corners)
 
     def _front(self, structure: Series, used: np.ndarray, faces: np.ndarray) -> np.ndarray:
         """Numbers of the faces that the flat view draws, in their order."""
@@ -99,7 +111,8 @@ class Packer:
         packed = {"low": self.scene.low.tolist(), "high": self.scene.high.tolist(), "labels": self.view.labels,
                   "box": [self.low.tolist(), self.high.tolist()], "across": self.view.across, "up": self.view.up,
                   "inverted": self.view.inverted, "times": times.tolist(),
-                  "fields": [], "soil": [], "structures": [], "boulders": packed_boulders(self.results, times)}
+                  "fields": [], "soil": [], "structures": [], "solids": [],
+                  "boulders": packed_boulders(self.results, times)}
         if soil:
             packed |= self._soil(frames)
         for structure, (used, faces), places in zip(self.structures, self.meshes, moving):
@@ -108,6 +121,9 @@ class Packer:
             if self.view.dim == 3:
                 mesh["front"] = text_of(self._front(structure, used, faces).astype("<u4"))
             packed["structures"].append(mesh)
+        packed["solids"], values = self.colours.pack(times)
+        for mesh, each in zip(packed["structures"], values):  # solids stand first
+            mesh["values"] = each
         if self.view.dim == 3:
             packed["space"] = self._space(times, clouds, moving)
         return packed | self._walls(times) | self._ground()

@@ -7,12 +7,17 @@ function bytes(text) {
 
 // A few colours of the map "viridis" (van der Walt and Smith, 2015), and what lies between.
 const MAP = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
-const PALETTE = Array.from({length: 256}, (_, k) => {
-  const place = k / 255 * (MAP.length - 1);
-  const first = Math.min(Math.floor(place), MAP.length - 2);
-  const mix = MAP[first].map((c, n) => Math.round(c + (MAP[first + 1][n] - c) * (place - first)));
-  return `rgb(${mix.join(",")})`;
+// Those of ColorBrewer's "YlOrRd" (Brewer, 2002), for structures.
+const SOLID_MAP = [[255, 255, 204], [254, 217, 118], [253, 141, 60], [227, 26, 28], [128, 0, 38]];
+const between = (map) => Array.from({length: 256}, (_, k) => {
+  const place = k / 255 * (map.length - 1);
+  const first = Math.min(Math.floor(place), map.length - 2);
+  return map[first].map((c, n) => Math.round(c + (map[first + 1][n] - c) * (place - first)));
 });
+const inWords = (mix) => `rgb(${mix.join(",")})`;
+const PALETTE = between(MAP).map(inWords);
+const SOLID_MIXES = between(SOLID_MAP);
+const SOLID_PALETTE = SOLID_MIXES.map(inWords);
 
 const FLOOR = [0.80, 0.77, 0.72];  // colour of walls in scripts/plotting/ground.py
 
@@ -21,6 +26,7 @@ class Scene {
     this.data = data;
     this.frame = 0;
     this.field = 0;
+    this.solid = data.solids.length ? 0 : -1;  // field of the structures; -1: none, they are grey
     this.timer = null;
     section.hidden = false;
     this.canvas = section.querySelector("canvas.flat");
@@ -32,6 +38,7 @@ class Scene {
       values: frame.values.map((values) => new Uint8Array(bytes(values)))}));
     this.structures = data.structures.map((each) => ({corners: each.corners, faces: new Uint32Array(bytes(each.faces)),
       front: each.front && new Uint32Array(bytes(each.front)),
+      values: (each.values || []).map((fields) => fields.map((text) => text && new Uint8Array(bytes(text)))),
       frames: each.frames.map((frame) => new Uint16Array(bytes(frame)))}));
     this.boulders = data.boulders.map((boulder) => new Boulder(boulder, !data.space));
     this.walls = data.walls.map((wall) => [new Float32Array(bytes(wall.line)), new Float32Array(bytes(wall.strokes))]);
@@ -51,13 +58,27 @@ class Scene {
     this.slider.setAttribute("aria-label", "time");
     this.slider.addEventListener("input", () => this.show(Number(this.slider.value), true));
     this.text = html("span", {className: "readout"}, controls);
-    if (!this.data.fields.length) return;
-    const choice = html("select", {}, controls);
-    this.data.fields.forEach((field, k) => html("option", {value: k}, choice, field.label));
+    this.addChoice(controls, "soil", this.data.fields, (k) => { this.field = k; });
+    const choice = this.addChoice(controls, "structure", this.data.solids, (k) => { this.solid = k; });
+    if (choice) html("option", {value: -1}, choice, "structure in grey");
+  }
+
+  // What colours the soil or the structures; null where there is nothing to choose.
+  addChoice(controls, name, fields, choose) {
+    if (!fields.length) return null;
+    const choice = html("select", {id: `colour-${name}`}, controls);
+    choice.setAttribute("aria-label", `colour of the ${name}`);
+    fields.forEach((field, k) => html("option", {value: k}, choice, field.label));
     choice.addEventListener("change", () => {
-      this.field = Number(choice.value);
+      choose(Number(choice.value));
       this.draw();
     });
+    return choice;
+  }
+
+  // Numbers from 0 to 255 of the faces of a structure; null: it is grey.
+  valuesOf(structure) {
+    return this.solid >= 0 && structure.values.length ? structure.values[this.frame][this.solid] : null;
   }
 
   toggle() {
@@ -148,9 +169,12 @@ class Scene {
     pen.fillStyle = "#bdbdbd";
     pen.strokeStyle = "#4d4d4d";
     pen.lineWidth = 0.5;
+    const values = this.valuesOf(structure);
     const count = structure.front ? structure.front.length : structure.faces.length / structure.corners;
     for (let k = 0; k < count; ++k) {
-      const f = structure.corners * (structure.front ? structure.front[k] : k);
+      const face = structure.front ? structure.front[k] : k;
+      const f = structure.corners * face;
+      if (values) pen.fillStyle = SOLID_PALETTE[values[face]];
       pen.beginPath();
       for (let c = 0; c < structure.corners; ++c) pen.lineTo(...this.place(points, structure.faces[f + c]));
       pen.closePath();
@@ -202,20 +226,25 @@ class Scene {
     pen.font = "15px system-ui, sans-serif";
     for (const x of ticks(this.data.low[0], this.data.high[0], 8)) {
       const pixel = 40 + (x - this.data.low[0]) * this.scale;
+      if (pixel > 1100) continue;  // the name of the axis stands there
       pen.fillRect(pixel, floor, 1, 6);
       pen.fillText(digits(x), pixel - 8, floor + 22);
     }
     pen.fillText(this.data.labels[0], 1140, floor + 22);
-    this.drawColours(pen, 40, floor + 40);
+    this.drawColours(pen, 40, floor + 34, 24);
   }
 
-  // The bar of colours with its field, from a pixel to the right.
-  drawColours(pen, x, y) {
-    const field = this.data.fields[this.field];
+  // The bars of colours with their fields, from a pixel to the right; that of structures `below` it.
+  drawColours(pen, x, y, below) {
+    this.drawBar(pen, x, y, PALETTE, this.data.fields[this.field]);
+    this.drawBar(pen, x, y + below, SOLID_PALETTE, this.data.solids[this.solid]);
+  }
+
+  drawBar(pen, x, y, palette, field) {
     if (!field) return;
-    PALETTE.forEach((colour, k) => {
+    palette.forEach((colour, k) => {
       pen.fillStyle = colour;
-      pen.fillRect(x + k, y, Math.min(2, PALETTE.length - k), 12);  // no seams where it is drawn smaller
+      pen.fillRect(x + k, y, Math.min(2, palette.length - k), 12);  // no seams where it is drawn smaller
     });
     pen.fillStyle = getComputedStyle(document.body).color;
     pen.fillText(`${digits(field.low)} to ${digits(field.high)}: ${field.label}`, x + 270, y + 12);

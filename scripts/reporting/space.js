@@ -132,7 +132,36 @@ class Space {
       shininess: 0, side}));
   }
 
+  // A structure with values on its faces has corners of its own for each triangle: a face has one colour.
+  addColoured(structure) {
+    const corners = fans(structure.faces, structure.corners);
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(new Uint16Array(3 * corners.length), 3, true));
+    geometry.setAttribute("color", new THREE.BufferAttribute(new Uint8Array(3 * corners.length), 3, true));
+    const object = this.surface(geometry, [1, 1, 1], THREE.DoubleSide);
+    object.material.vertexColors = THREE.VertexColors || true;  // a number in releases before 114
+    this.inBox(object, ...this.scene.data.box);
+    return Object.assign(object, {corners, trianglesOfFace: structure.corners - 2});
+  }
+
+  setColoured(object, structure, frame) {
+    const {position, color} = object.geometry.attributes;
+    const places = structure.frames[frame];
+    const values = this.scene.valuesOf(structure);
+    const steel = STEEL.map((c) => 255 * c);
+    object.corners.forEach((node, k) => {
+      const face = Math.floor(k / (3 * object.trianglesOfFace));
+      const mix = values ? SOLID_MIXES[values[face]] : steel;
+      for (let n = 0; n < 3; ++n) {
+        position.array[3 * k + n] = places[3 * node + n];
+        color.array[3 * k + n] = mix[n];
+      }
+    });
+    position.needsUpdate = color.needsUpdate = true;
+  }
+
   addStructure(structure) {
+    if (structure.values.length && structure.corners > 2) return this.addColoured(structure);
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(structure.frames[0].slice(), 3, true));
     const lines = structure.corners === 2;  // ropes and beams
@@ -197,6 +226,10 @@ class Space {
       this.soil.geometry.setDrawRange(0, soil.points.length / 3);
     }
     this.structures.forEach((object, k) => {
+      if (object.corners) {
+        this.setColoured(object, this.scene.structures[k], frame);
+        return;
+      }
       object.geometry.attributes.position.array.set(this.scene.structures[k].frames[frame]);
       object.geometry.attributes.position.needsUpdate = true;
     });
@@ -266,7 +299,7 @@ class Space {
     const share = Math.min(1, (width - 20) / 560);  // of a phone
     pen.translate(12, height - 22);
     pen.scale(share, share);
-    this.scene.drawColours(pen, 0, 0);
+    this.scene.drawColours(pen, 0, 0, -24);
     pen.restore();
   }
 }

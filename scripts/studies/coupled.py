@@ -52,9 +52,13 @@ def errors_of(run: Measured, reference: Measured) -> list[float]:
             relative_rms(run.impulse(), reference.impulse())]
 
 
+SPEED_SCENES = (SCENE, f"{SCENE}_explicit", "slope_barrier", "two_posts", "slide_on_terrain")
+
+
 def speed(runner: Runner) -> None:
     """Wall time of a step of granular_obstacle, in free flow and in contact, and where it goes."""
-    table = runner.run("run", SCENE, []).table("steps.csv")
+    runs = {name: runner.run(name, name, []) for name in SPEED_SCENES}
+    table = runs[SCENE].table("steps.csv")
     contact = table["skipped"] == "none"
     parts = {
         "soil [ms]": table["soil.busy_seconds"],
@@ -67,6 +71,31 @@ def speed(runner: Runner) -> None:
         means = [1e3 * float(np.mean(seconds[which])) for seconds in (table["wall_seconds"], *parts.values())]
         rows.append([name, int(np.sum(which)), *means])
     runner.report(["", "steps", "a step [ms]", *parts], rows)
+    runner.report(LATER_HEAD, [[name, *later_iterations(run)] for name, run in runs.items()], "later iterations")
+    runner.remark("newton: Newton iterations of the soil (0: explicit steps); share of soil: CPU time of the soil in "
+                  "iterations after the first one of a step over that in all of them; share of steps: over the wall "
+                  "time of the steps with more than one. What starts later iterations better saves less than that.")
+    runner.report(["scene", "CPU time [s]", "frames and checkpoints [s]", "share"],
+                  [[name, run.solver_seconds(), run.solver_seconds("output_cpu_seconds"),
+                    run.solver_seconds("output_cpu_seconds") / run.solver_seconds()] for name, run in runs.items()],
+                  "output")
+
+
+LATER_HEAD = ["scene", "steps in contact", "iterations", "newton, first", "newton, a later one", "share of soil",
+              "share of steps"]
+
+
+def later_iterations(run: Measured) -> list[float]:
+    """LATER_HEAD of the steps of several iterations."""
+    table = run.table("iterations.csv")
+    tries = np.cumsum(table["iteration"] == 0)
+    several = np.isin(tries, tries[table["iteration"] == 1])
+    later = several & (table["iteration"] > 0)
+    first = several & (table["iteration"] == 0)
+    soil = table["soil_seconds"]
+    return [int(first.sum()), float(several.sum() / first.sum()), float(table["soil_newton"][first].mean()),
+            float(table["soil_newton"][later].mean()), float(soil[later].sum() / soil[several].sum()),
+            float(soil[later].sum() / table["wall_seconds"][several].sum())]
 
 
 MARKS = {"fixed steps": "o", "steps by their error": "s", "explicit": "^",

@@ -95,9 +95,10 @@ class Measured:
             raise ResultsError(f"{self.results.folder}: no cpu_seconds in the summary")
         return float(self.summary["cpu_seconds"])
 
-    def solver_seconds(self) -> float:
-        """CPU time of both solvers of a coupled run, of all ranks [s]."""
-        return sum(of["cpu_seconds"]["all_ranks"] for of in self.summary["participants"].values())
+    def solver_seconds(self, what: str = "cpu_seconds") -> float:
+        """CPU time of all solvers of a coupled run, of all ranks [s]. what: "output_cpu_seconds" for that of frames and
+        checkpoints."""
+        return sum(of[what]["all_ranks"] for of in self.summary["participants"].values())
 
     def newton_per_step(self) -> float:
         """Newton iterations of the accepted tries by the number of steps, in a run without coupler."""

@@ -33,7 +33,7 @@ def files_in(folder: Path, endings: tuple[str, ...]) -> list[Path]:
 def only(paths: list[Path], what: str, key: str, folder: Path) -> Path:
     """@raises TerrainError  none or several"""
     if len(paths) != 1:
-        names = ", ".join(str(path.relative_to(folder)) for path in paths) or "none"
+        names = ", ".join(os.path.relpath(path) for path in paths) or "none"  # as --set takes them
         raise TerrainError(f"{folder}: found as {what}: {names}, allowed: one, or the choice: --set {key}=FILE")
     return paths[0]
 

@@ -81,6 +81,7 @@ def settle_projection(reader: Reader, slope: Raster) -> str | None:
         slope.projection = named
     if slope.projection is not None and has_gdal():
         require_metres(slope.projection, f"{reader.where}/slope: {slope.path}")
+    require_named_gaps(slope, f"{reader.where}/slope")
     require_gentle(slope, f"{reader.where}/slope")
     return slope.projection
 
@@ -94,6 +95,19 @@ def has_gdal() -> bool:
 
 
 STEEPEST = 10  # heights over the longer side of a raster: no ground is as steep over all of a map
+
+
+NO_DATA = (-9999, -99999, -32768, -32767)  # as other programs write it; no ground is as low
+
+
+def require_named_gaps(slope: Raster, where: str) -> None:
+    """@raises TerrainError  heights that stand for no data, which the raster does not call so"""
+    for value in NO_DATA:
+        count = int(np.sum(slope.values == value))
+        if count:
+            raise TerrainError(f"{where}: {slope.path}: found {count} heights of {value} m, which stand for no data, "
+                               f"allowed: a raster that says so, as after gdal_edit.py -a_nodata {value} (.asc: "
+                               f"NODATA_value {value})")
 
 
 def require_gentle(slope: Raster, where: str) -> None:

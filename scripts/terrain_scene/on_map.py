@@ -67,7 +67,10 @@ def section_name(values: dict, taken: dict) -> str:
 
 
 def require_of_scene(results: Results, place: Place) -> None:
-    """@raises ResultsError  a run in 2D, or of another place"""
+    """@raises ResultsError  no settings of soil, a run in 2D, or of another place"""
+    if not results.settings("mpm.json"):
+        raise ResultsError(f"{results.folder}: found no resolved_config.json of the soil, allowed: results of "
+                           f"{place.folder}")
     if results.dim != 3 or not np.allclose(results.origin, place.origin, rtol=0, atol=1e-6):
         raise ResultsError(f"{results.folder}: found the origin {results.origin.tolist()} of a run in {results.dim}D, "
                            f"{place.folder}/map.json has {place.origin.tolist()}, allowed: results of that scene")

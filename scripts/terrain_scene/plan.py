@@ -139,8 +139,14 @@ def raster_like(slope: Raster, reader: Reader, key: str, folder: Path) -> Raster
 
 def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
     if "material" in reader.values:
-        reader.child("material", None).number("density")  # the programs check the rest
-        return reader.values["material"]
+        given = reader.child("material", None)
+        if "law" in given.values:
+            given.number("density")  # the programs check the rest
+            return given.values
+        if "density" in given.values:
+            given.number("density")
+        notes.append(f"{given.where}: has no law, taken: {json.dumps(default)} but for what is given")
+        return default | given.values
     notes.append(f"{reader.where}/material: not given, taken: {json.dumps(default)}")
     return default
 

@@ -20,6 +20,7 @@ from .raster import Raster, TerrainError
 from .slope import BULGE, THINNEST, Columns, Slope, lay_columns, write_ply
 
 MANY_CELLS = 2_000_000
+LEAST_FILLED = 0.9  # of the volume of the plan; less is warned of
 MOST_IN_PLAN = 1_000_000  # cells of the grid: a hundred times those of large scenes
 
 
@@ -229,6 +230,9 @@ def write_scene(made: Made, folder: Path) -> list[str]:
     if unknown.any():
         lines.append(f"slope: {unknown.mean():.1%} of its nodes have no data: there is no ground, soil that comes "
                      "there falls off the map and is taken out")
+    if columns.filled < LEAST_FILLED * columns.asked:
+        lines.append(f"warning: the scene has {columns.filled / columns.asked:.0%} of the mass of the plan: cell_size "
+                     "below a quarter of the depth keeps more of it")
     deepest = float(made.columns.depth.max()) / made.plan.cell_size
     if deepest < 1:
         lines.append(f"warning: the mass is {deepest:.2g} cells deep at most: its own friction is felt from two cells "

@@ -72,6 +72,14 @@ def xdmf_item(file: str, name: str, array: np.ndarray) -> str:
     return f'<DataItem Format="HDF" Dimensions="{size}">{file}:/{name}</DataItem>'
 
 
+ON_CELLS = ("stress",)  # of structures
+
+
+def stresses(time: float, tension: np.ndarray) -> dict[str, np.ndarray]:
+    """Uniaxial tension [Pa] of each cell along y, growing with the time, as the frames hold it."""
+    return {"stress": np.outer(time * tension, [0, 0, 0, 1, 0, 0])}
+
+
 def write_series(folder: Path, name: str, frames: list[tuple]) -> None:
     """frames: (time, points, cells or None, fields)."""
     grids = []
@@ -82,7 +90,8 @@ def write_series(folder: Path, name: str, frames: list[tuple]) -> None:
                                                    8: "Hexahedron"}[cells.shape[1]]
         topology = "" if cells is None else xdmf_item(file, "connectivity", cells)
         attributes = "".join(
-            f'<Attribute Name="{field}" Center="Node">{xdmf_item(file, field, values)}</Attribute>'
+            f'<Attribute Name="{field}" Center="{"Cell" if field in ON_CELLS else "Node"}">'
+            f'{xdmf_item(file, field, values)}</Attribute>'
             for field, values in fields.items()
         )
         grids.append(
@@ -119,7 +128,7 @@ def structure_frames() -> list[tuple]:
     frames = []
     for time in np.linspace(0, END, 6):
         u = np.column_stack([4 * time * points[:, 1] ** 2, np.zeros(len(points))])
-        frames.append((time, points + u, cells, {"displacement": u}))
+        frames.append((time, points + u, cells, {"displacement": u, **stresses(time, np.arange(20) * 1e3)}))
     return frames
 
 
@@ -287,7 +296,8 @@ def space_frames(up: int) -> tuple[list[tuple], list[tuple]]:
         back = cells + len(points)
         # A right-handed cell has its lower face first: x, up, depth are a left-handed triple when up is z.
         cells = np.hstack([cells, back] if up == 1 else [back, cells])
-        wall.append((time, np.vstack([lay(points, 0.0), lay(points, 0.02)]), cells, {"displacement": u}))
+        wall.append((time, np.vstack([lay(points, 0.0), lay(points, 0.02)]), cells,
+                     {"displacement": u, "stress": fields["stress"]}))
     return soil, wall
 
 

@@ -26,6 +26,7 @@ from reporting.maps import map_section
 from reporting.page import page
 from terrain_scene.changes import changed, read_changes
 from terrain_scene.grids import on_cells_of, write_ascii
+from terrain_scene.map_inputs import require_named_gaps
 from terrain_scene.on_map import read_place, write_maps
 from terrain_scene.raster import Raster, TerrainError, read_raster
 from terrain_scene.reach import reach_of
@@ -78,6 +79,13 @@ class Layout(MapCase):
         self.assertEqual((plan["cell_size"], "barrier" in plan), (2, False))
         self.assertIn("fricton: unknown", self.terrain(*self.asked, "--set", "fricton=1", "--replace")[1])
 
+    def test_a_material_without_law_is_the_default_with_changes(self) -> None:
+        code, said = self.terrain(*self.asked, "--set", "slide/material/density=300")
+        self.assertEqual(code, 0, said)
+        self.assertIn("material: has no law, taken: ", said)
+        body, = json.loads((self.scene / "mpm.json").read_text())["bodies"]
+        self.assertEqual((body["material"]["density"], body["material"]["law"]), (300, "mohr_coulomb"))
+
     def test_changes_that_cannot_be(self) -> None:
         for change, words in (("slide=5", "--set/slide: found 5, allowed: an object"),
                               ("time=3", "--set/time: found 3"),
@@ -96,8 +104,9 @@ class Layout(MapCase):
 
     def test_doubled_missing_and_empty_files(self) -> None:
         self.slope("Inputs/other.tif")
-        self.assertIn("found as slope: dem.tif, other.tif, allowed: one, or the choice: --set slope=FILE",
-                      self.terrain(*self.asked)[1])
+        self.assertRegex(self.terrain(*self.asked)[1],  # paths as --set takes them
+                         r"found as slope: \S+/Inputs/dem.tif, \S+/Inputs/other.tif, allowed: one, or the choice: --set "
+                         "slope=FILE")
         code, said = self.terrain(*self.asked, "--set", f"slope={self.folder}/Inputs/other.tif")
         self.assertEqual(code, 0, said)
         (self.folder / "Inputs" / "other.tif").unlink()
@@ -122,6 +131,13 @@ class Layout(MapCase):
         self.assertAlmostEqual(found.fastest, np.sqrt(2 * 9.81 * (40.5 - 0.5 * 40)), delta=0.3)
         self.assertEqual(found.left, 0)
         self.assertEqual(reach_of(raster, np.array([[10.0, 10.0]]), 0.5, 0.05).left, 1)
+
+    def test_heights_that_stand_for_no_data(self) -> None:
+        heights = np.tile(np.arange(5.0), (4, 1))
+        require_named_gaps(Raster(Path("a.tif"), 0.0, 0.0, 1.0, heights), "plan/slope")
+        heights[1, 2:4] = -9999
+        with self.assertRaisesRegex(TerrainError, "plan/slope: a.tif: found 2 heights of -9999 m, .*a_nodata -9999"):
+            require_named_gaps(Raster(Path("a.tif"), 0.0, 0.0, 1.0, heights), "plan/slope")
 
     def test_changes(self) -> None:
         self.assertEqual(read_changes(["a/b=1", "a/c=x y", "d=[1, 2]", "e=null"]),

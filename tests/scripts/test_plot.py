@@ -19,7 +19,8 @@ from plotting.results import Frame, Results, ResultsError, Series, Table
 from plotting.scene import ScenePlot, point_size
 from plotting.style import COLOURS, new_figure, plt
 from plotting.summary import summary_lines
-from plotting.view import View, outer_faces, view_of
+from plotting.stresses import von_mises
+from plotting.view import View, cells_of_outer_faces, outer_faces, view_of
 from plotting.walls import Walls, strokes, widened
 
 
@@ -398,6 +399,23 @@ class Contact(ScriptCase):
         np.testing.assert_allclose(last.values, [12, 10])
         np.testing.assert_allclose(last.edges, [0, 0.625, 1])
         contact.plt.close(figure)
+
+    def test_cells_of_second_order_are_drawn_by_their_corners(self) -> None:
+        nodes = np.arange(20)[None]
+        for kind, count in (("Triangle_6", 3), ("Quadrilateral_8", 4), ("Tetrahedron_10", 4), ("Hexahedron_20", 8),
+                            ("Hexahedron", 20), ("", 20)):
+            frame = Frame(0.0, np.zeros((20, 3)), nodes, {}, kind=kind)
+            np.testing.assert_array_equal(frame.corners, nodes[:, :count])
+
+    def test_equivalent_stress(self) -> None:
+        """Uniaxial tension s gives s, pure shear t sqrt(3) t, pressure 0."""
+        stress = np.array([[5.0, 0, 0, 0, 0, 0], [0, 2, 0, 0, 0, 0], [0, 0, 0, 0, 2, 0], [-3, 0, 0, -3, 0, -3]])
+        np.testing.assert_allclose(von_mises(stress), [5, 2 * np.sqrt(3), 2 * np.sqrt(3), 0], atol=1e-12)
+
+    def test_outer_faces_know_their_cells(self) -> None:
+        bricks = np.array([[0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 6, 7, 8, 9, 10, 11]])
+        for face, cell in zip(outer_faces(bricks), cells_of_outer_faces(bricks), strict=True):
+            self.assertLessEqual(set(face), set(bricks[cell]))
 
     def test_upright_line_is_drawn_by_height(self) -> None:
         profile, series = self.profile()

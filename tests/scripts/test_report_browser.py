@@ -95,6 +95,17 @@ if (turning) {
     document.getElementById("space-reset").click();
     return changed && !differ(shot(), first);
   };
+  const colour = document.getElementById("colour-structure");
+  const choose = (value) => {
+    colour.value = value;
+    colour.dispatchEvent(new Event("change"));
+  };
+  if (colour) {
+    choose(-1);
+    space.grey = differ(shot(), first);
+    choose(0);
+    space.coloured = !differ(shot(), first);
+  }
   const key = (name, shiftKey) => turning.dispatchEvent(new KeyboardEvent("keydown", {key: name, shiftKey}));
   space.turned = changes(() => drag([10, 10], [60, 30]));
   space.panned = changes(() => drag([10, 10], [60, 30], {shiftKey: true}));
@@ -131,6 +142,7 @@ if (!document.getElementById("scene").hidden) {
   const painted = (data) => { let n = 0; for (let k = 3; k < data.length; k += 4) n += data[k] > 0; return n; };
   const last = pixels();
   found.painted = painted(last) / (width * height);
+  found.red = last.reduce((n, r, k) => n + (k % 4 === 0 && r > 120 && last[k + 1] < 60 && last[k + 2] < 60), 0);
   const brown = (r, g, b) => r > 80 && r <= 141 && r > g && g > b && r - b <= 30;
   found.boulder = last.reduce((n, r, k) => n + (k % 4 === 0 && brown(r, last[k + 1], last[k + 2])), 0);
   const time = document.querySelector("#scene input");
@@ -223,9 +235,10 @@ class Browser(ScriptCase):
                 self.assertEqual((found["lacking"], found["fetched"]), ("", 0))
                 self.assertLessEqual(found["wide"], 0)
                 space = found["space"]
+                self.assertGreater(found["red"], 50)
                 self.assertGreater(space["painted"], 0.1)
                 self.assertGreater(space["colours"], 100)
-                for what in ("turned", "panned", "zoomed", "keys", "pinched", "moved", "hidden"):
+                for what in ("turned", "panned", "zoomed", "keys", "pinched", "moved", "hidden", "grey", "coloured"):
                     self.assertIs(space[what], True, what)
                 self.assertEqual(space["frame"], "0")
 

@@ -411,6 +411,9 @@ TEST(RankedSolver, the_summary_says_what_the_steps_sent) {
   const auto seconds = summary.at("cpu_seconds").at("largest_rank").get<double>();
   EXPECT_GT(seconds, 0);
   EXPECT_GE(summary.at("cpu_seconds").at("all_ranks").get<double>(), seconds);
+  const auto output = summary.at("output_cpu_seconds").at("all_ranks").get<double>();
+  EXPECT_GE(output, 0);
+  EXPECT_LE(output, summary.at("cpu_seconds").at("all_ranks").get<double>());
   EXPECT_EQ(summary.contains("mpi"), size() > 1);
   if (size() == 1) return;
   const Json& mpi = summary.at("mpi");
