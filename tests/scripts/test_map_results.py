@@ -105,8 +105,8 @@ class Layout(MapCase):
     def test_doubled_missing_and_empty_files(self) -> None:
         self.slope("Inputs/other.tif")
         self.assertRegex(self.terrain(*self.asked)[1],  # paths as --set takes them
-                         r"found as slope: \S+/Inputs/dem.tif, \S+/Inputs/other.tif, allowed: one, or the choice: --set "
-                         "slope=FILE")
+                         r"found as slope: \S+/Inputs/dem.tif, \S+/Inputs/other.tif, allowed: one, or the choice: "
+                         "--set slope=FILE")
         code, said = self.terrain(*self.asked, "--set", f"slope={self.folder}/Inputs/other.tif")
         self.assertEqual(code, 0, said)
         (self.folder / "Inputs" / "other.tif").unlink()
