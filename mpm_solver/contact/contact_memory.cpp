@@ -31,6 +31,13 @@ void visit_by_id(StateVisitor& visitor, const std::string& name,
   }
 }
 
+// Zero where there is none.
+template <int dim>
+Vector<dim> vector_of(const std::map<std::int64_t, Vector<dim>>& by_id, std::int64_t id) {
+  const auto found = by_id.find(id);
+  return found == by_id.end() ? Vector<dim>(Vector<dim>::Zero()) : found->second;
+}
+
 // What is known of these points goes into the packet.
 template <typename Value>
 void give_by_id(std::span<const std::int64_t> ids, std::map<std::int64_t, Value>& by_id,
@@ -66,8 +73,12 @@ auto ContactMemory<dim>::contacts(std::int64_t id) const -> const Contacts* {
 
 template <int dim>
 Vector<dim> ContactMemory<dim>::offset(std::int64_t id) const {
-  const auto found = offsets_.find(id);
-  return found == offsets_.end() ? Vector<dim>(Vector<dim>::Zero()) : found->second;
+  return vector_of<dim>(offsets_, id);
+}
+
+template <int dim>
+Vector<dim> ContactMemory<dim>::laid_offset(std::int64_t id) const {
+  return vector_of<dim>(laid_offsets_, id);
 }
 
 template <int dim>
@@ -134,8 +145,10 @@ void ContactMemory<dim>::give(std::span<const std::int64_t> ids, Packet& packet)
     }
   };
   give_by_id<Contacts>(ids, contacts_, put_contacts, packet);
-  give_by_id<Vector<dim>>(
-      ids, offsets_, [&](const auto& value) { packet.put(value); }, packet);
+  for (auto* vectors : {&offsets_, &laid_offsets_}) {
+    give_by_id<Vector<dim>>(
+        ids, *vectors, [&](const auto& value) { packet.put(value); }, packet);
+  }
   give_by_id<Matrix<dim>>(
       ids, shapes_, [&](const auto& value) { packet.put(value); }, packet);
 }
@@ -155,7 +168,9 @@ void ContactMemory<dim>::take(Packet& packet) {
     return contacts;
   };
   take_by_id<Contacts>(packet, contacts_, take_contacts);
-  take_by_id<Vector<dim>>(packet, offsets_, [&] { return packet.take<Vector<dim>>(); });
+  for (auto* vectors : {&offsets_, &laid_offsets_}) {
+    take_by_id<Vector<dim>>(packet, *vectors, [&] { return packet.take<Vector<dim>>(); });
+  }
   take_by_id<Matrix<dim>>(packet, shapes_, [&] { return packet.take<Matrix<dim>>(); });
 }
 
@@ -209,6 +224,7 @@ void ContactMemory<dim>::visit_state(StateVisitor& visitor, const std::string& p
                                      std::size_t num_members) {
   visit_contacts(visitor, prefix, num_members);
   visit_by_id(visitor, prefix + "offset", offsets_);
+  visit_by_id(visitor, prefix + "laid_offset", laid_offsets_);
   visit_by_id(visitor, prefix + "shape", shapes_);
 }
 

@@ -76,6 +76,9 @@ class ContactMemory {
   /// Offset of a contact sphere from its point [m].
   Vector<dim> offset(std::int64_t id) const;
   std::map<std::int64_t, Vector<dim>>& offsets() { return offsets_; }
+  /// The offset with which the sphere was laid, as long as it did not go back to its point [m].
+  Vector<dim> laid_offset(std::int64_t id) const;
+  std::map<std::int64_t, Vector<dim>>& laid_offsets() { return laid_offsets_; }
   /// |shape^T n| is the radius in direction n [m].
   /// @param depth  of the point in the cell that it was laid in [m]
   Matrix<dim> shape(std::int64_t id, double depth) const;
@@ -98,7 +101,7 @@ class ContactMemory {
   void visit_contacts(StateVisitor& visitor, const std::string& prefix, std::size_t num_members);
 
   std::map<std::int64_t, Contacts> contacts_;
-  std::map<std::int64_t, Vector<dim>> offsets_;
+  std::map<std::int64_t, Vector<dim>> offsets_, laid_offsets_;
   std::map<std::int64_t, Matrix<dim>> shapes_;
   IndexTable<1> index_;       // ids of points with contacts or offset
   std::vector<Known> known_;  // of them

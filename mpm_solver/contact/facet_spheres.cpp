@@ -7,14 +7,17 @@ namespace gabion::mpm {
 
 namespace {
 
-// Along the normal of a contact, after the step: the gap stays what it was. Where a rigid sphere
-// opens, it goes back to its point as far as it does not touch.
+// Along the normal of a contact, after the step: the gap stays what it was. Towards the surface a
+// rigid sphere goes no farther than its radius beyond the place where it was laid. Where it opens,
+// it goes back to its point as far as it does not touch.
+// @param laid  offset with which it was laid [m]
 template <int dim>
-double offset_after(const ContactCandidate<dim>& c, const ContactPoint<dim>& contact) {
+double offset_after(const ContactCandidate<dim>& c, const ContactPoint<dim>& contact,
+                    const Vector<dim>& laid) {
   const Vector<dim>& n = contact.feature.normal;
   const double offset = n.dot(c.offset + contact.motion - c.motion);
   if (c.deforms) return offset + (c.shape * (n + c.H.transpose() * n)).norm() - contact.radius;
-  if (contact.gap < 0) return std::max(offset, -contact.radius);
+  if (contact.gap < 0) return std::max(offset, std::min(laid.dot(n), 0.0) - contact.radius);
   return std::max(offset - contact.gap - contact.initial_penetration, 0.0);
 }
 
@@ -36,9 +39,12 @@ void accept_offsets(FacetParts<dim>& parts) {
     const ContactCandidate<dim>& c = points.candidate(*contact);
     const Vector<dim>& n = contact->feature.normal;
     Vector<dim>& offset = offsets.try_emplace(c.id, c.offset).first->second;
-    offset += (offset_after(c, *contact) - offset.dot(n)) * n;
+    const Vector<dim> laid = parts.memory.laid_offset(c.id);
+    offset += (offset_after(c, *contact, laid) - offset.dot(n)) * n;
   }
   std::erase_if(offsets, [](const auto& entry) { return entry.second.isZero(0); });
+  std::erase_if(parts.memory.laid_offsets(),
+                [&](const auto& entry) { return !offsets.contains(entry.first); });
 }
 
 }  // namespace

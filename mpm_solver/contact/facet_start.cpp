@@ -70,7 +70,7 @@ void FacetStart<dim>::set_off(Places places, Candidate& c) {
     }
   }
   if (offset.norm() > round_off * parts_.laws.cell_size()) {
-    parts_.memory.offsets()[c.id] = c.offset = offset;
+    parts_.memory.offsets()[c.id] = parts_.memory.laid_offsets()[c.id] = c.offset = offset;
     c.x += offset;
   }
 }

@@ -246,6 +246,33 @@ TEST(RestOnFacets, soil_in_cells_of_any_width_takes_its_weight) {
   }
 }
 
+/// The sphere of soil that yields keeps its radius. It stays on the surfaces that it was laid on all
+/// the same, however far they are from the point, under stress from the start as after a ramp.
+TEST(RestOnFacets, soil_that_yields_stays_in_contact_in_cells_of_any_width) {
+  for (const LaidSoil& soil : {LaidSoil{}, {4, 16}, {16, 4}, {3, 36}}) {
+    for (const std::string basis : {"linear", "gimp", "bspline"}) {
+      for (const std::string start : {"stressed", "explicit", "ramp"}) {
+        if (start == "ramp" && basis == "bspline") continue;
+        Json json = json_of(soil, basis);
+        json["bodies"][0]["material"] = in_a_corner(basis, "slip")["bodies"][0]["material"];
+        if (start != "ramp") {
+          json.erase("gravity_ramp");
+          json.erase("analysis");
+          json["bodies"][0]["initial_stress"] = {{"k0", k0}, {"surface", soil.low + soil.size}};
+        }
+        if (start == "explicit") json = in_explicit_steps(json);
+        const auto solver = make_mpm(json);
+        run_steps(*solver, 0.001, 20);
+        const double weight = g * probe(*solver, "mass"), thrust = k0 * weight / 2;
+        const std::string what = fmt::format("{} {} {}", basis, start, soil.columns);
+        EXPECT_NEAR(probe(*solver, "corner.fy"), -weight, 0.02 * weight) << what;
+        if (start == "ramp") continue;
+        EXPECT_NEAR(probe(*solver, "corner.fx"), thrust, 0.03 * thrust) << what;
+      }
+    }
+  }
+}
+
 /// A body free of stress beside one under stress; the wall at its side overlaps it.
 Json beside_stressed_soil(int columns, double overlap) {
   const int rows = 64 / columns;
