@@ -21,6 +21,16 @@ constexpr double reuse_reduction = 0.25;  // |r| after over before an old matrix
 constexpr double loosest_linear_tolerance = 1e-2;
 constexpr double linear_margin = 3e-1;
 
+constexpr std::size_t longest_series = 20, shown_first = 4, shown_last = 12;
+
+/// Residuals one after the other; of many the first and the last ones.
+std::string series_text(std::span<const double> residuals) {
+  if (residuals.size() <= longest_series) return fmt::format("{:.2e}", fmt::join(residuals, " "));
+  return fmt::format("{:.2e} ({} more) {:.2e}", fmt::join(residuals.first(shown_first), " "),
+                     residuals.size() - shown_first - shown_last,
+                     fmt::join(residuals.last(shown_last), " "));
+}
+
 struct WorstNode {
   std::size_t node = 0;
   double size = 0;  // norm of its values
@@ -358,8 +368,8 @@ void Newton<block_size>::fail(const std::string& reason, const std::string& caus
   const std::string point = problem_.describe_worst_point(du_);
   if (!point.empty()) worst += "; most strained " + point;
   throw ConvergenceError(
-      fmt::format("Newton, iteration {}: {}; {}; |r|/scale: {:.2e}", report_.iterations, reason,
-                  worst, fmt::join(report_.residuals, " ")),
+      fmt::format("Newton, iteration {}: {}; {}; |r|/scale: {}", report_.iterations, reason,
+                  worst, series_text(report_.residuals)),
       cause);
 }
 

@@ -194,6 +194,17 @@ TEST(Newton, iteration_limit_names_the_worst_node_and_all_residuals) {
   EXPECT_EQ(std::count(series.begin(), series.end(), 'e'), 3) << message;
 }
 
+TEST(Newton, of_many_residuals_the_first_and_the_last_are_named) {
+  SpringChain chain;
+  chain.tangent_factor = 20;  // slow
+  Bench bench(chain, "lu");
+  bench.settings.max_iterations = 30;
+  const std::string message = bench.failure();
+  const std::string series = message.substr(message.find("|r|/scale: ") + 11);
+  EXPECT_NE(series.find(" (15 more) "), std::string::npos) << message;
+  EXPECT_EQ(std::ranges::count(series, '.'), 4 + 12) << message;
+}
+
 TEST(Newton, residual_that_is_not_finite_fails_at_once) {
   SpringChain chain;
   chain.load_y = std::numeric_limits<double>::quiet_NaN();
