@@ -30,7 +30,8 @@ template <int dim>
 class ExplicitStep final : public StepMethod<dim> {
  public:
   using Parts = typename StepMethod<dim>::Parts;
-  explicit ExplicitStep(const Parts& parts) : parts_(parts), stable_(parts.model) {}
+  /// @throws Error  pore water drains on several ranks
+  explicit ExplicitStep(const Parts& parts);
 
   NewmarkBossak scheme(const Phase&, bool) const override { return starting_scheme; }
   void begin(const StepStart& start) override;
@@ -45,6 +46,7 @@ class ExplicitStep final : public StepMethod<dim> {
   const SubstepCounts& counts() const { return counts_; }
 
  private:
+  void find_water();
   int count_for(double dt, double contact_rate) const;
   void add_repeated();
   void log_count(const StepRequest& request);
@@ -55,12 +57,14 @@ class ExplicitStep final : public StepMethod<dim> {
 
   Parts parts_;
   StableStep<dim> stable_;
+  std::optional<SeepageBorders<dim>> borders_;  // where pore water drains in an explicit phase
   SubstepCounts counts_;
   double logged_dt_ = 0;  // of the last line in the log [s]
 
   // the current step
   StepStart start_;
   std::vector<double> f_body_start_, f_body_;  // besides gravity, at both ends; empty: none
+  std::optional<WaterOfStep<dim>> water_;      // that drains
   std::optional<ExplicitMotion<dim>> motion_;
   double courant_ = 1;
   double soil_dt_ = 0;
