@@ -134,6 +134,7 @@ StepReport ExplicitStep<dim>::solve(const StepRequest& request) {
   ++counts_.solutions;
   counts_.substeps += count_;
   counts_.largest = std::max(counts_.largest, count_);
+  if (motion_->water() != nullptr) counts_.pressure_iterations += motion_->water()->iterations();
   if (request.iteration > 0) add_repeated();
   const double dt = start_.dt / count_;
   if (counts_.smallest == 0 || dt < counts_.smallest) counts_.smallest = dt;

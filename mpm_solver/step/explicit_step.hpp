@@ -22,6 +22,7 @@ struct SubstepCounts {
   std::int64_t repeated_whole = 0;    ///< of them, those that solved all of the soil
   std::int64_t repeated_points = 0;   ///< points of this rank in the substeps of repeated ones
   std::int64_t evaluated_points = 0;  ///< of them, those whose stresses were evaluated
+  std::int64_t pressure_iterations = 0;  ///< of the solver of pore pressures that drain
 };
 
 /// Steps of explicit phases: equal substeps of central differences, as many as are stable.
