@@ -16,12 +16,12 @@ namespace gabion::mpm {
 struct SubstepCounts {
   std::int64_t solutions = 0;
   std::int64_t substeps = 0;
-  int largest = 0;                    ///< of a solution
-  double smallest = 0;                ///< [s], 0: none
-  std::int64_t repeated = 0;          ///< solutions after the first one of a step
-  std::int64_t repeated_whole = 0;    ///< of them, those that solved all of the soil
-  std::int64_t repeated_points = 0;   ///< points of this rank in the substeps of repeated ones
-  std::int64_t evaluated_points = 0;  ///< of them, those whose stresses were evaluated
+  int largest = 0;                       ///< of a solution
+  double smallest = 0;                   ///< [s], 0: none
+  std::int64_t repeated = 0;             ///< solutions after the first one of a step
+  std::int64_t repeated_whole = 0;       ///< of them, those that solved all of the soil
+  std::int64_t repeated_points = 0;      ///< points of this rank in the substeps of repeated ones
+  std::int64_t evaluated_points = 0;     ///< of them, those whose stresses were evaluated
   std::int64_t pressure_iterations = 0;  ///< of the solver of pore pressures that drain
 };
 

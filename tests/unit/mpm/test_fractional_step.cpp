@@ -188,7 +188,7 @@ TEST(FractionalStep, what_it_does_not_do_is_refused) {
   json["rain"] = {{"rate", 1e-5}};
   expect_error<ConfigError>([&] { mpm_settings<2>(json); }, {"/rain", "explicit", "implicit"});
   json = layer(2, 4, 1e-4);
-  json["pools"] = {{{"x", {0, 1}}, {"level", 1}}};
+  json["pools"] = {{{"level", 1}}};
   expect_error<ConfigError>([&] { mpm_settings<2>(json); }, {"/pools", "explicit", "implicit"});
 }
 
