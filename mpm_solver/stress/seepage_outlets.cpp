@@ -117,9 +117,8 @@ void SeepageForces<dim>::add_outflow(const CellGroup& group, Group& work, bool w
     if (!follows && volume == 0) continue;
     for (int i = 0; i < num; ++i) {
       const double of_node = outlet->drained * outlet->w[i];
-      const double left = follows ? of_node * p : outlet->w[i] * volume;
-      r_[work.active[local[i]]] += left;
-      left_[work.active[local[i]]] += left;
+      r_[work.active[local[i]]] += follows ? of_node * p : outlet->w[i] * volume;
+      left_[work.active[local[i]]] += follows ? of_node * p : outlet->w[i] * volume;
       if (!with_stiffness || !follows) continue;
       double* row = &work.K[(static_cast<std::size_t>(local[i]) * block_size + dim) * rows];
       for (int k = 0; k < num; ++k) row[local[k] * block_size + dim] -= of_node * outlet->w[k];

@@ -5,7 +5,7 @@
 namespace gabion::mpm {
 
 // Give the trial state of a point its pressure.
-// @returns energy that its water got [J]
+// @returns energy that its water got, by volume free of stress [J/m^3]
 template <int dim>
 double SeepageForces<dim>::give_water(std::int32_t body, std::int32_t e) {
   const PoreWater& water = *parts_.bodies[body].water;
@@ -16,7 +16,7 @@ double SeepageForces<dim>::give_water(std::int32_t body, std::int32_t e) {
   const double before = water.at(parts_.points.water[p], parts_.points.J[p]).energy;
   const double after = water.at(water.content_at(p_[e], J_[e]), J_[e]).energy;
   trial.energy[e] += after;
-  return parts_.weights.volume[e] * (after - before);
+  return after - before;
 }
 
 template <int dim>
@@ -25,7 +25,9 @@ double SeepageForces<dim>::finish() {
   double gained = 0;
   for (const std::int32_t g : groups_) {
     const CellGroup& group = parts_.weights.groups[g];
-    for (std::int32_t e = group.first; e < group.last; ++e) gained += give_water(group.body, e);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      gained += parts_.weights.volume[e] * give_water(group.body, e);
+    }
   }
   return gained;
 }
@@ -44,7 +46,7 @@ double SeepageForces<dim>::finish(std::span<const double> du) {
       const std::int32_t p = parts_.weights.point[e];
       lost -= 0.5 * parts_.weights.volume[e] * parts_.points.J[p] * p_n_[e] *
               displacement_gradient<dim>(parts_.weights, e, moves.data()).trace();
-      lost -= give_water(group.body, e);
+      lost -= parts_.weights.volume[e] * give_water(group.body, e);
     }
   }
   return lost;
