@@ -122,8 +122,9 @@ KeyTable body_water_keys() {
   }
   table.keys.push_back(
       key::number("permeability", "m/s",
-                  "Hydraulic conductivity k: the water drains (implicit steps on a `box` grid with "
-                  "`gimp` or `bspline`), and leaves through `free_surface` and walls "
+                  "Hydraulic conductivity k: the water drains (on a `box` grid with `gimp` or "
+                  "`bspline`; in explicit steps by a fractional step), and leaves through "
+                  "`free_surface` and walls "
                   "that are `drained`; none: it has no time to. Intrinsic permeability [m^2] times "
                   "1e7 1/(m s).")
           .in({.low = 0, .high = 1, .low_open = true, .allowed = "a number in (0, 1]"})

@@ -63,10 +63,12 @@ void log_explicit(const SubstepCounts& counts, double share) {
 }
 
 Json explicit_json(const SubstepCounts& counts, double share) {
-  return {{"solutions", counts.solutions},         {"substeps", counts.substeps},
-          {"most_in_a_step", counts.largest},      {"smallest_substep", counts.smallest},
-          {"repeated_solutions", counts.repeated}, {"repeated_whole", counts.repeated_whole},
-          {"repeated_point_share", share}};
+  Json json = {{"solutions", counts.solutions},         {"substeps", counts.substeps},
+               {"most_in_a_step", counts.largest},      {"smallest_substep", counts.smallest},
+               {"repeated_solutions", counts.repeated}, {"repeated_whole", counts.repeated_whole},
+               {"repeated_point_share", share}};
+  if (counts.pressure_iterations > 0) json["pressure_iterations"] = counts.pressure_iterations;
+  return json;
 }
 
 }  // namespace

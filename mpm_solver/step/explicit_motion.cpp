@@ -28,6 +28,9 @@ ExplicitMotion<dim>::ExplicitMotion(const Parts& parts)
   F_.resize(v_start_.size());
   A_F_.resize(v_start_.size());
   if (may_touch_) find_lasting();
+  if (parts_.water == nullptr) return;
+  water_ = std::make_unique<FractionalStep<dim>>(
+      typename FractionalStep<dim>::Parts{parts_.stress, *parts_.water, parts_.walls, inertia_});
 }
 
 template <int dim>
@@ -194,6 +197,11 @@ typename ExplicitMotion<dim>::Forces ExplicitMotion<dim>::forces_at(const Subste
   Forces forces{
       .body = parts_.body_force(substep.share()), .internal = internal_.forces(), .A = {}};
   shared.sum(forces.internal, dim);
+  if (water_) {
+    for (std::size_t i = 0; i < forces.internal.size(); ++i) {
+      forces.internal[i] -= water_->forces()[i];
+    }
+  }
   if (within_) {
     reach_->fill_internal(substep.k, forces.internal);
     set_acceleration_within(substep.k, forces);
@@ -228,10 +236,12 @@ void ExplicitMotion<dim>::add_works(std::span<const double> move, const Forces& 
       const double internal = 0.5 * (before.internal[k] + after.internal[k]);
       const double contact = touches_ ? F_[k] : 0;
       total[k] = body - internal + contact;
+      if (water_) total[k] += water_->change()[k];
       raw_[k] += dt * total[k];
       if (!counts) continue;
       result_.body_work += move[k] * body;
       result_.internal_work += move[k] * internal;
+      if (water_) result_.internal_work -= move[k] * water_->change()[k];
       result_.contact_work += move[k] * contact;
       result_.body_impulse[d] += dt * body;
       result_.contact_impulse[d] += dt * contact;
@@ -271,6 +281,7 @@ typename ExplicitMotion<dim>::Outcome ExplicitMotion<dim>::run(int count, double
   raw_.assign(n, 0.0);
   kept_ = {};
   context_.dt = parts_.dt / count;
+  if (water_) water_->begin(context_.dt);
   if (!within_) begin_path(count);
   if (reach_ && !within_) reach_->begin(count);
   for (const auto& contact : parts_.surfaces.contacts()) contact->substeps().begin_substeps();
@@ -305,9 +316,12 @@ typename ExplicitMotion<dim>::Outcome ExplicitMotion<dim>::do_substep(const Subs
     return Outcome::too_stiff;
   }
   for (std::size_t i = 0; i < n; ++i) {
-    const double end = touches_ ? star_[i] + 0.5 * dt * dt * A_F_[i] : star_[i];
-    move_[i] = end - result_.du[i];
-    result_.du[i] = end;
+    if (touches_) star_[i] += 0.5 * dt * dt * A_F_[i];
+  }
+  if (water_) water_->solve(star_);
+  for (std::size_t i = 0; i < n; ++i) {
+    move_[i] = star_[i] - result_.du[i];
+    result_.du[i] = star_[i];
   }
   if (within_ && !parts_.stress.nodes.shared.all(reach_->covers(substep.k, result_.du))) {
     return Outcome::beyond_reach;
@@ -323,8 +337,10 @@ typename ExplicitMotion<dim>::Outcome ExplicitMotion<dim>::do_substep(const Subs
   if (keeps && reach_->keeps()) keep(after);
   for (std::size_t i = 0; i < n; ++i) {
     result_.v[i] += 0.5 * dt * (before.A[i] + after.A[i]) + (touches_ ? dt * A_F_[i] : 0);
+    if (water_) result_.v[i] += dt * water_->acceleration()[i];
   }
   add_works(move_, before, after, dt);
+  if (water_) water_->end_substep(move_);
   before = std::move(after);
   return Outcome::solved;
 }

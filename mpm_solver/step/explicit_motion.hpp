@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +11,7 @@
 #include "mpm_solver/contact/surfaces.hpp"
 #include "mpm_solver/grid/point_inertia.hpp"
 #include "mpm_solver/step/explicit_reach.hpp"
+#include "mpm_solver/step/fractional_step.hpp"
 #include "mpm_solver/stress/internal_forces.hpp"
 #include "mpm_solver/walls/wall_conditions.hpp"
 
@@ -22,7 +24,8 @@ namespace gabion::mpm {
 ///     v' = v + dt/2 [A(f) + A(f')] + dt A(F(u*)) ,  A(f) = Q W Q f
 ///
 /// from v = Q v_i + w / step: W of PointInertia, Q and w of the walls, F of the contacts, whose
-/// surfaces move evenly over the step. One evaluation of the stresses a substep, which go on from
+/// surfaces move evenly over the step. Pore water that drains moves the nodes besides
+/// (FractionalStep). One evaluation of the stresses a substep, which go on from
 /// those of the substep before. A solution with as many substeps as the one before it evaluates
 /// what the interfaces can reach alone (ExplicitReach), with the bits of a whole one. Refers to its
 /// parts; valid for one step.
@@ -40,6 +43,7 @@ class ExplicitMotion {
     double largest_courant;  ///< that contacts may lead to, see squared_courant
     /// Body force at a share of the step, num_nodes x dim [N].
     std::function<std::vector<double>(double share)> body_force;
+    const WaterOfStep<dim>* water = nullptr;  ///< that drains; null: there is none
   };
   explicit ExplicitMotion(const Parts& parts);
 
@@ -73,6 +77,8 @@ class ExplicitMotion {
   /// Mapped velocity with the walls, num_nodes x dim [m/s].
   const std::vector<double>& start_velocity() const { return v_start_; }
   const PointInertia<dim>& inertia() const { return inertia_; }
+  /// Pore water that drains, in the last solution; null: there is none.
+  FractionalStep<dim>* water() const { return water_.get(); }
 
  private:
   enum class Outcome { solved, too_stiff, beyond_reach };
@@ -112,6 +118,7 @@ class ExplicitMotion {
   std::vector<double> plastic_;      // plastic_density of each entry in it [J/m^3]
   GroupForces<dim> kept_;            // StressParts::kept
   PointInertia<dim> inertia_;
+  std::unique_ptr<FractionalStep<dim>> water_;
   InternalForces<dim> internal_;
   std::vector<double> v_start_;
   Forces start_;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/log.hpp"
+#include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/points/flat.hpp"
 
@@ -40,8 +41,39 @@ std::vector<double> body_forces(const GridNodes<dim>& nodes, const Vector<dim>& 
 }  // namespace
 
 template <int dim>
+ExplicitStep<dim>::ExplicitStep(const Parts& parts) : parts_(parts), stable_(parts.model) {
+  if (!parts.model.drains || !any_explicit(parts.model.settings.phases)) return;
+  require<ConfigError>(
+      num_ranks(parts.model.comm) == 1,
+      "mpm.json: at /bodies: found \"permeability\" with explicit steps on {} ranks, "
+      "allowed: one rank; the pressures of a substep are found on one",
+      num_ranks(parts.model.comm));
+  borders_.emplace(parts.model);
+}
+
+// What the pore water of the step depends on.
+template <int dim>
+void ExplicitStep<dim>::find_water() {
+  water_.reset();
+  if (!borders_) return;
+  const SoilModel<dim>& model = parts_.model;
+  const double end = start_.time + start_.dt;
+  const Vector<dim> gravity =
+      model.settings.phases[start_.phase].gravity_ramp.at(end) * model.settings.gravity;
+  water_.emplace(WaterOfStep<dim>{
+      .data = {.gravity = gravity,
+               .cell_size = model.cell_size,
+               .averages = model.settings.locking.average_volumes},
+      .surface = borders_->open() ? borders_->free_surface(parts_.state, start_.phase)
+                                  : std::vector<OuterPoint<dim>>(),
+      .drained = borders_->drained_nodes(
+          nodes(), {.phase = start_.phase, .time = end, .gravity = gravity, .pools = {}})});
+}
+
+template <int dim>
 void ExplicitStep<dim>::begin(const StepStart& start) {
   start_ = start;
+  find_water();
   f_body_start_ = parts_.soil.body_forces(start.time);
   f_body_ = parts_.soil.body_forces(start.time + start.dt);
   const ScopedTimer timer(parts_.times, "substeps");
@@ -67,11 +99,12 @@ void ExplicitStep<dim>::begin(const StepStart& start) {
                                           .dt = start.dt,
                                           .average_volumes = model.settings.locking.average_volumes,
                                           .largest_courant = std::max(1.0, courant_),
-                                          .body_force = body_force});
+                                          .body_force = body_force,
+                                          .water = water_ ? &*water_ : nullptr});
   repeated_ = std::exchange(repeats_, false);
   // Boulders move as well as interfaces do, and what an interface moves may push another body.
   may_repeat_ = !model.settings.whole_iterations && model.settings.boulders.empty() &&
-                !model.settings.body_groups.any() && !model.remembers_variables &&
+                !model.settings.body_groups.any() && !model.remembers_variables && !water_ &&
                 parts_.state.surfaces.may_touch_interface();
   soil_dt_ = stable_.of_soil(parts_.state.points);
   count_ = count_for(start.dt, parts_.state.contact_rate);
@@ -101,6 +134,7 @@ StepReport ExplicitStep<dim>::solve(const StepRequest& request) {
   ++counts_.solutions;
   counts_.substeps += count_;
   counts_.largest = std::max(counts_.largest, count_);
+  if (motion_->water() != nullptr) counts_.pressure_iterations += motion_->water()->iterations();
   if (request.iteration > 0) add_repeated();
   const double dt = start_.dt / count_;
   if (counts_.smallest == 0 || dt < counts_.smallest) counts_.smallest = dt;
@@ -187,6 +221,10 @@ StepEnd<dim> ExplicitStep<dim>::end() {
   end.motion = nodal_motion();
   end.balance = balance();
   end.plastic_work = motion_->result().plastic_work;
+  if (FractionalStep<dim>* water = motion_->water()) {
+    end.plastic_work += water->finish() + water->water().weight_work();
+    end.balance.body_work += water->water().weight_work();
+  }
   return end;
 }
 
@@ -201,12 +239,14 @@ template <int dim>
 void ExplicitStep<dim>::finish_points(MaterialPoints<dim>& points) const {
   motion_->inertia().kick_from_weightless(motion_->result().impulse,
                                           1 - parts_.model.settings.pic_share, points);
+  if (motion_->water() != nullptr) motion_->water()->water().store(points);
 }
 
 template <int dim>
 void ExplicitStep<dim>::remember(SoilState<dim>& state) const {
   state.nearly_linear = false;
   state.contact_rate = motion_->result().contact_rate;
+  if (motion_->water() != nullptr) state.water_out += motion_->water()->outflow();
 }
 
 template class ExplicitStep<2>;

@@ -16,12 +16,13 @@ namespace gabion::mpm {
 struct SubstepCounts {
   std::int64_t solutions = 0;
   std::int64_t substeps = 0;
-  int largest = 0;                    ///< of a solution
-  double smallest = 0;                ///< [s], 0: none
-  std::int64_t repeated = 0;          ///< solutions after the first one of a step
-  std::int64_t repeated_whole = 0;    ///< of them, those that solved all of the soil
-  std::int64_t repeated_points = 0;   ///< points of this rank in the substeps of repeated ones
-  std::int64_t evaluated_points = 0;  ///< of them, those whose stresses were evaluated
+  int largest = 0;                       ///< of a solution
+  double smallest = 0;                   ///< [s], 0: none
+  std::int64_t repeated = 0;             ///< solutions after the first one of a step
+  std::int64_t repeated_whole = 0;       ///< of them, those that solved all of the soil
+  std::int64_t repeated_points = 0;      ///< points of this rank in the substeps of repeated ones
+  std::int64_t evaluated_points = 0;     ///< of them, those whose stresses were evaluated
+  std::int64_t pressure_iterations = 0;  ///< of the solver of pore pressures that drain
 };
 
 /// Steps of explicit phases: equal substeps of central differences, as many as are stable.
@@ -30,7 +31,8 @@ template <int dim>
 class ExplicitStep final : public StepMethod<dim> {
  public:
   using Parts = typename StepMethod<dim>::Parts;
-  explicit ExplicitStep(const Parts& parts) : parts_(parts), stable_(parts.model) {}
+  /// @throws Error  pore water drains on several ranks
+  explicit ExplicitStep(const Parts& parts);
 
   NewmarkBossak scheme(const Phase&, bool) const override { return starting_scheme; }
   void begin(const StepStart& start) override;
@@ -45,6 +47,7 @@ class ExplicitStep final : public StepMethod<dim> {
   const SubstepCounts& counts() const { return counts_; }
 
  private:
+  void find_water();
   int count_for(double dt, double contact_rate) const;
   void add_repeated();
   void log_count(const StepRequest& request);
@@ -55,12 +58,14 @@ class ExplicitStep final : public StepMethod<dim> {
 
   Parts parts_;
   StableStep<dim> stable_;
+  std::optional<SeepageBorders<dim>> borders_;  // where pore water drains in an explicit phase
   SubstepCounts counts_;
   double logged_dt_ = 0;  // of the last line in the log [s]
 
   // the current step
   StepStart start_;
   std::vector<double> f_body_start_, f_body_;  // besides gravity, at both ends; empty: none
+  std::optional<WaterOfStep<dim>> water_;      // that drains
   std::optional<ExplicitMotion<dim>> motion_;
   double courant_ = 1;
   double soil_dt_ = 0;

@@ -5,15 +5,10 @@
 #include <vector>
 
 #include "mpm_solver/step/equilibrium.hpp"
+#include "mpm_solver/step/seepage_borders.hpp"
 #include "mpm_solver/stress/seepage_forces.hpp"
 
 namespace gabion::mpm {
-
-/// Pressures that are given at nodes.
-struct DrainedNodes {
-  std::vector<std::int32_t> nodes;  ///< active numbers, ascending
-  std::vector<double> q;            ///< unknown of SeepageForces there [Pa]
-};
 
 /// Balance of momentum and of water of the active nodes at the end of a step. Unknowns and rows of
 /// a node: its displacement, and psi = (q - q_start) h / M; forces, and volumes of water times

@@ -5,12 +5,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 
 #include "mpm_solver/checks/pools.hpp"
-#include "mpm_solver/checks/seepage.hpp"
-#include "mpm_solver/contact/start_check.hpp"
-#include "mpm_solver/step/free_surface.hpp"
 
 namespace gabion::mpm {
 
@@ -35,20 +31,8 @@ LinearSolverSettings direct(LinearSolverSettings settings) {
 template <int dim>
 SeepageStep<dim>::SeepageStep(const Parts& parts)
     : ImplicitStep<dim>(parts),
-      solver_(parts.model.comm, dim, direct(parts.model.settings.linear_solver)) {
-  const MpmSettings<dim>& settings = parts.model.settings;
-  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
-    if (!drains(settings.bodies[b]) || !settings.bodies[b].water->seepage_face) continue;
-    with_seepage_face_.push_back(static_cast<std::int32_t>(b));
-  }
-  if (with_seepage_face_.empty()) return;
-  const auto surfaces = surfaces_at_start(settings.interfaces, settings.rigid_walls);
-  if (surfaces.empty()) return;
-  sights_.emplace(surfaces, parts.model.grid);
-  for (std::size_t k = 0; k < surfaces.size(); ++k) {
-    if (surfaces[k].settings.drained) sights_->leave_out(k);
-  }
-}
+      borders_(parts.model),
+      solver_(parts.model.comm, dim, direct(parts.model.settings.linear_solver)) {}
 
 template <int dim>
 StressParts<dim> SeepageStep<dim>::stress_parts() const {
@@ -84,7 +68,9 @@ void SeepageStep<dim>::begin(const StepStart& start) {
   const double end = start.time + start.dt;
   make_water(start, end, ramp.at(end) * model.settings.gravity);
   ImplicitStep<dim>::begin(start);
-  open_surface();
+  if (borders_.open()) {
+    water_->open(model.grid, borders_.free_surface(this->parts_.state, start.phase));
+  }
   Equilibrium<dim>& equilibrium = *this->equilibrium_;
   if (!K_) {
     K_.emplace([this](const BlockMatrix<dim + 1>& K) { return solver_.make_room(K); });
@@ -96,22 +82,11 @@ void SeepageStep<dim>::begin(const StepStart& start) {
   K_->set_pattern(nodes.size(), offsets, cell_nodes);
   solver_.set_regime({.symmetric = false, .courant = std::numeric_limits<double>::infinity()},
                      nodes.num_of_all());
-  balance_.emplace(equilibrium, *water_, this->system_.K(), drained_nodes());
-}
-
-template <int dim>
-void SeepageStep<dim>::open_surface() {
-  if (with_seepage_face_.empty()) return;
-  const auto& model = this->parts_.model;
-  const bool meets_surfaces = sights_ && sights_->follow(this->parts_.state.surfaces);
-  const SurroundingsOfSoil<dim> surroundings{
-      .comm = model.comm,
-      .grid = model.grid,
-      .points = this->parts_.state.points,
-      .walls = model.settings.phases[this->start_.phase].walls,
-      .surfaces = meets_surfaces ? &*sights_ : nullptr};
-  const auto surface = find_free_surface<dim>(surroundings, with_seepage_face_);
-  water_->open(model.grid, surface);
+  balance_.emplace(equilibrium, *water_, this->system_.K(),
+                   borders_.drained_nodes(nodes, {.phase = start.phase,
+                                                  .time = end,
+                                                  .gravity = ramp.at(end) * model.settings.gravity,
+                                                  .pools = pools_}));
 }
 
 template <int dim>
@@ -119,41 +94,6 @@ Vector<dim> SeepageStep<dim>::rain_at(double time) const {
   const MpmSettings<dim>& settings = this->parts_.model.settings;
   if (!settings.rain) return Vector<dim>::Zero();
   return settings.rain->at(time) * settings.gravity.normalized();
-}
-
-// The water beyond the walls is at rest, below the level of pools, or else the table of the soil.
-template <int dim>
-DrainedNodes SeepageStep<dim>::drained_nodes() const {
-  const auto& model = this->parts_.model;
-  const auto& nodes = this->parts_.soil.nodes();
-  const auto& bodies = model.settings.bodies;
-  auto soil = std::ranges::find_if(
-      bodies, [&](const Body<dim>& body) { return drains(body) && body.water->table; });
-  if (soil == bodies.end()) soil = std::ranges::find_if(bodies, drains<dim>);
-  const Phase& phase = model.settings.phases[this->start_.phase];
-  const double share = phase.gravity_ramp.at(this->start_.time + this->start_.dt);
-  std::map<std::int32_t, double> q;
-  const auto drain = [&](std::int32_t node) {
-    const std::int32_t i = nodes.active[node];
-    if (i < 0) return;
-    const Vector<dim>& x = nodes.x[i];
-    const double beyond =
-        pools_.empty() ? share * soil->water->hydrostatic(x[dim - 1]) : pools_.pressure<dim>(x);
-    q[i] = beyond - water_->at_rest(static_cast<std::int32_t>(soil - bodies.begin()), x);
-  };
-  for (const WallSettings& wall : phase.walls) {
-    if (!wall.drained) continue;
-    for (const std::int32_t node :
-         find_group_nodes(model.grid.facet_groups, wall.group, wall.where)) {
-      for (std::int32_t f = 0; f < nodes.num_fields; ++f) drain(node + f * nodes.num_places);
-    }
-  }
-  DrainedNodes drained;
-  for (const auto& [node, value] : q) {
-    drained.nodes.push_back(node);
-    drained.q.push_back(value);
-  }
-  return drained;
 }
 
 // The guess is flight or rest under the pressures of the start, whichever is nearer to balance.

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "mpm_solver/small_cuts/weak_nodes.hpp"
 #include "mpm_solver/step/implicit_step.hpp"
 #include "mpm_solver/step/seepage_balance.hpp"
+#include "mpm_solver/step/seepage_borders.hpp"
 
 namespace gabion::mpm {
 
@@ -31,14 +31,11 @@ class SeepageStep final : public ImplicitStep<dim> {
   NewtonReport iterate(bool first, const NewtonSettings& settings) override;
   void make_water(const StepStart& start, double time, const Vector<dim>& gravity);
   std::vector<double> first_displacement();
-  DrainedNodes drained_nodes() const;
-  void open_surface();
   Vector<dim> rain_at(double time) const;
 
   StressParts<dim> stress_parts() const;
 
-  std::vector<std::int32_t> with_seepage_face_;  // bodies
-  std::optional<FacetSights<dim>> sights_;       // none: no surface, or no seepage face
+  SeepageBorders<dim> borders_;
   std::optional<SeepageForces<dim>> water_;
   std::optional<SeepageBalance<dim>> balance_;
   std::optional<BlockMatrix<dim + 1>> K_;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/checks/seepage.hpp"
 
 namespace gabion::mpm {
 
@@ -56,9 +57,10 @@ double StableStep<dim>::wave_speed(const MaterialPoints<dim>& points, std::int32
           for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
             M = std::max(M, law.p_wave_modulus_at(points.history[p], points.internal[p]));
           }
-          if (body.water) M += body.water->modulus();
+          if (body.water && !body.water->drains()) M += body.water->modulus();
           return std::sqrt(M / body.material.density);
         } else {
+          if (drains(body)) return std::sqrt(skeleton_modulus(body) / body.material.density);
           return model_.wave_speeds[b];
         }
       },

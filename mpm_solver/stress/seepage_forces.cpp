@@ -27,7 +27,7 @@ SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageSt
     : parts_(parts), step_(step) {
   const std::size_t n = static_cast<std::size_t>(parts_.nodes.size());
   f_.assign(n * dim, 0.0);
-  for (auto* values : {&r_, &squeezed_, &seeped_}) values->assign(n, 0.0);
+  for (auto* values : {&r_, &squeezed_, &seeped_, &left_}) values->assign(n, 0.0);
   const auto& weights = parts_.weights;
   p_n_.assign(weights.point.size(), 0.0);
   for (std::size_t b = 0; b < parts_.bodies.size(); ++b) {
@@ -86,7 +86,8 @@ template <int dim>
 double SeepageForces<dim>::stabilisation(std::int32_t body) const {
   const Body<dim>& soil = parts_.bodies[body];
   const double h = step_.cell_size;
-  const double M = skeleton_modulus(soil) + step_.inertia_slope * soil.material.density * h * h;
+  const double M = (step_.by_inertia ? 0 : skeleton_modulus(soil)) +
+                   step_.inertia_slope * soil.material.density * h * h;
   double least = 1;
   const auto& points = parts_.points;
   for (std::int32_t p = points.body_starts[body]; p < points.body_starts[body + 1]; ++p) {
@@ -298,7 +299,7 @@ bool SeepageForces<dim>::evaluate(const Trial& trial, BlockMatrix<block_size>* K
 template <int dim>
 bool SeepageForces<dim>::evaluate_groups(const Trial& trial, BlockMatrix<block_size>* K,
                                          RefusedPoint& worst) {
-  for (auto* values : {&f_, &r_, &squeezed_, &seeped_, &f_pool_}) {
+  for (auto* values : {&f_, &r_, &squeezed_, &seeped_, &left_, &f_pool_}) {
     std::fill(values->begin(), values->end(), 0.0);
   }
   weight_work_ = outflow_ = inflow_work_ = rain_in_ = rain_run_off_ = 0;
@@ -317,7 +318,18 @@ bool SeepageForces<dim>::evaluate_groups(const Trial& trial, BlockMatrix<block_s
     if (!outlets_.empty()) add_outflow(group, work, K != nullptr);
     if (K) K->add_cell(g, work.K.data());
   }
+  for (std::size_t i = 0; i < gone_.size(); ++i) r_[i] += gone_[i];
+  weight_work_ += weight_work_gone_;
+  outflow_ += outflow_gone_;
   return true;
+}
+
+template <int dim>
+void SeepageForces<dim>::carry_on() {
+  gone_.resize(r_.size(), 0.0);
+  for (std::size_t i = 0; i < gone_.size(); ++i) gone_[i] += left_[i] - seeped_[i];
+  weight_work_gone_ = weight_work_;
+  outflow_gone_ = outflow_;
 }
 
 template <int dim>

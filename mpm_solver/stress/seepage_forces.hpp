@@ -18,6 +18,7 @@ struct SeepageStepData {
   double dt = 0;                              ///< [s]
   double cell_size = 0;                       ///< [m]
   double inertia_slope = 0;  ///< NewmarkBossak::inertia_slope; 0: quasi-static [1/s^2]
+  bool by_inertia = false;   ///< pressures move the soil by its inertia alone, not its stiffness
   bool averages = false;     ///< volumes are those of groups (F-bar), as in AveragedForces
   PoolLevels pools{};        ///< at the end of the step
   /// Rain at the end of the step, volume by area across it, along gravity [m/s].
@@ -61,6 +62,11 @@ class SeepageForces {
   bool evaluate(const Trial& trial, BlockMatrix<block_size>* K, RefusedPoint& worst);
   /// Forces of the accepted pressures, those of du = 0. Replaces forces().
   void find_start_forces();
+  /// The next evaluations go on from the last one, over another dt: what seeped and left so far
+  /// remains. @pre one rank, neither pools nor rain
+  void carry_on();
+  /// Whether other outlets let water pass in the last evaluation than in the last one with K.
+  bool outlets_changed() const;
 
   /// Force of the pressure on the skeleton, of the points of this rank, num_nodes x dim [N].
   const std::vector<double>& forces() const { return f_; }
@@ -104,6 +110,9 @@ class SeepageForces {
   /// @returns what the water gives up as it seeps and leaves: the work against its pressure that
   ///          does not become energy of the water in the points, of this rank [J]
   double finish(std::span<const double> du);
+  /// The same.
+  /// @returns energy that the water of the points got, of this rank [J]
+  double finish();
   /// Put pressures and masses of the last evaluation into the points.
   void store(MaterialPoints<dim>& points) const;
 
@@ -120,12 +129,15 @@ class SeepageForces {
     double rain = 0;                               // volume in the step [m^3]
     double at_pressure = 0;  // volume that the pressure of the last evaluation lets out [m^3]
     bool full = false;       // the soil does not take all of the rain
+    bool follows = false;    // water passed in the last evaluation
+    bool in_K = false;       // the same of the last one with K
   };
   void list_wet();
   void list_pool_pressures();
   bool evaluate_groups(const Trial& trial, BlockMatrix<block_size>* K, RefusedPoint& worst);
   double tie_of_nodes(const CellGroup& group) const;
   double stabilisation(std::int32_t body) const;
+  double give_water(std::int32_t body, std::int32_t entry);
   void gather(const CellGroup& group, const Trial& trial, Group& work) const;
   bool sum_up(const CellGroup& group, Group& work, RefusedPoint& worst) const;
   void add_forces(const CellGroup& group, Group& work);
@@ -151,6 +163,11 @@ class SeepageForces {
   std::vector<char> wet_;
   std::vector<double> q_start_;  // start_heads()
   std::vector<double> f_, r_, squeezed_, seeped_;
+  std::vector<double> left_;  // volumes through outlets of the last evaluation, num_nodes [m^3]
+
+  // After carry_on(): volumes at the nodes and sums so far. Else empty and 0.
+  std::vector<double> gone_;
+  double weight_work_gone_ = 0, outflow_gone_ = 0;
 
   // With pools; else empty.
   std::vector<double> p_pool_;             // pressure of pools at each entry [Pa]

@@ -112,10 +112,13 @@ void SeepageForces<dim>::add_outflow(const CellGroup& group, Group& work, bool w
     p -= outlet->outside;
     double volume = outlet->at_pressure = outlet->drained * p;
     const bool follows = follows_pressure(*outlet, volume);
+    outlet->follows = follows;
+    if (with_stiffness) outlet->in_K = follows;
     if (!follows && volume == 0) continue;
     for (int i = 0; i < num; ++i) {
       const double of_node = outlet->drained * outlet->w[i];
       r_[work.active[local[i]]] += follows ? of_node * p : outlet->w[i] * volume;
+      left_[work.active[local[i]]] += follows ? of_node * p : outlet->w[i] * volume;
       if (!with_stiffness || !follows) continue;
       double* row = &work.K[(static_cast<std::size_t>(local[i]) * block_size + dim) * rows];
       for (int k = 0; k < num; ++k) row[local[k] * block_size + dim] -= of_node * outlet->w[k];
@@ -123,6 +126,14 @@ void SeepageForces<dim>::add_outflow(const CellGroup& group, Group& work, bool w
   }
 }
 
+template <int dim>
+bool SeepageForces<dim>::outlets_changed() const {
+  return std::ranges::any_of(outlets_,
+                             [](const Outlet& outlet) { return outlet.follows != outlet.in_K; });
+}
+
+template bool SeepageForces<2>::outlets_changed() const;
+template bool SeepageForces<3>::outlets_changed() const;
 template void SeepageForces<2>::open(const BackgroundGrid<2>&, std::span<const OuterPoint<2>>);
 template void SeepageForces<3>::open(const BackgroundGrid<3>&, std::span<const OuterPoint<3>>);
 template bool SeepageForces<2>::update_rain();

@@ -4,28 +4,49 @@
 
 namespace gabion::mpm {
 
+// Give the trial state of a point its pressure.
+// @returns energy that its water got, by volume free of stress [J/m^3]
+template <int dim>
+double SeepageForces<dim>::give_water(std::int32_t body, std::int32_t e) {
+  const PoreWater& water = *parts_.bodies[body].water;
+  TrialPoints<dim>& trial = parts_.trial;
+  trial.pore_tau[e] = J_[e] * p_[e];
+  trial.tau[e].template head<3>().array() -= trial.pore_tau[e];
+  const std::int32_t p = parts_.weights.point[e];
+  const double before = water.at(parts_.points.water[p], parts_.points.J[p]).energy;
+  const double after = water.at(water.content_at(p_[e], J_[e]), J_[e]).energy;
+  trial.energy[e] += after;
+  return after - before;
+}
+
+template <int dim>
+double SeepageForces<dim>::finish() {
+  parts_.trial.pore_tau.resize(parts_.trial.tau.size(), 0.0);
+  double gained = 0;
+  for (const std::int32_t g : groups_) {
+    const CellGroup& group = parts_.weights.groups[g];
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      gained += parts_.weights.volume[e] * give_water(group.body, e);
+    }
+  }
+  return gained;
+}
+
 template <int dim>
 double SeepageForces<dim>::finish(std::span<const double> du) {
   double lost = 0;
   for (std::size_t k = 0; k < f_.size(); ++k) lost -= 0.5 * f_[k] * du[k];
   lost += 0.5 * pool_work(du);
-  TrialPoints<dim>& trial = parts_.trial;
-  trial.pore_tau.resize(trial.tau.size(), 0.0);
+  parts_.trial.pore_tau.resize(parts_.trial.tau.size(), 0.0);
   std::array<double, max_group_nodes<dim> * dim> moves;
   for (const std::int32_t g : groups_) {
     const CellGroup& group = parts_.weights.groups[g];
-    const PoreWater& water = *parts_.bodies[group.body].water;
     parts_.nodes.gather(parts_.weights.nodes_of(group), du, moves.data());
     for (std::int32_t e = group.first; e < group.last; ++e) {
-      trial.pore_tau[e] = J_[e] * p_[e];
-      trial.tau[e].template head<3>().array() -= trial.pore_tau[e];
       const std::int32_t p = parts_.weights.point[e];
       lost -= 0.5 * parts_.weights.volume[e] * parts_.points.J[p] * p_n_[e] *
               displacement_gradient<dim>(parts_.weights, e, moves.data()).trace();
-      const double before = water.at(parts_.points.water[p], parts_.points.J[p]).energy;
-      const double after = water.at(water.content_at(p_[e], J_[e]), J_[e]).energy;
-      trial.energy[e] += after;
-      lost -= parts_.weights.volume[e] * (after - before);
+      lost -= parts_.weights.volume[e] * give_water(group.body, e);
     }
   }
   return lost;
@@ -45,6 +66,8 @@ void SeepageForces<dim>::store(MaterialPoints<dim>& points) const {
   }
 }
 
+template double SeepageForces<2>::finish();
+template double SeepageForces<3>::finish();
 template double SeepageForces<2>::finish(std::span<const double>);
 template double SeepageForces<3>::finish(std::span<const double>);
 template void SeepageForces<2>::store(MaterialPoints<2>&) const;

@@ -212,8 +212,6 @@ void expect_refused(const Json& change, const std::vector<std::string_view>& par
 
 TEST(Seepage, settings_that_are_refused) {
   expect_refused({{"basis", "linear"}}, {"/bodies/0/water/permeability", "linear", "gimp"});
-  expect_refused({{"analysis", "dynamic"}, {"time_integration", {{"scheme", "explicit"}}}},
-                 {"/bodies/0/water/permeability", "explicit", "implicit"});
   Json json = column_scene({});
   json["bodies"][0]["water"]["permeability"] = 2;
   expect_error<ConfigError>([&] { mpm_settings<2>(json); },

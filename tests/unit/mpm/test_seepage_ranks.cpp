@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "solver_program/ranked_state.hpp"
+#include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/collapse.hpp"
 #include "tests/unit/mpm/saturated_soil.hpp"
 
@@ -64,6 +65,16 @@ void expect_same_outflow(const Solver& shared, const Solver& alone) {
     const double value = probe(alone, name);
     EXPECT_NEAR(probe(shared, name), value, 1e-5 * (1 + std::abs(value))) << name;
   }
+}
+
+TEST(SeepageRanks, explicit_steps_are_refused_on_several_ranks) {
+  Json json = wet_collapse("gimp");
+  json["time_integration"] = {{"scheme", "explicit"}};
+  json.erase("newton");
+  json.erase("linear_solver");
+  if (size() == 1) return;
+  expect_error<ConfigError>([&] { mpm_solver<2>(json); },
+                            {"permeability", "explicit", std::to_string(size()) + " ranks"});
 }
 
 TEST(SeepageRanks, number_of_ranks_does_not_change_the_result) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Soil whose pore water drains, against closed forms and tables of consolidation.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -187,6 +189,49 @@ TEST(VW2_SelfWeightConsolidation, column_that_drains_through_its_surface) {
             {table(100, {.581266, .433720, .229608}, .019691),
              table(500, {.198422, .145583, .074597}, .064105)},
             scale, 0.01);
+  }
+}
+
+/// Terzaghi's equation for a layer under its own weight, in explicit steps: excess pressures by the
+/// buoyant weight, and the share of the settlement, 1 - 4 sum (-1)^i / l^3 exp(-l^2 T).
+TEST(VW9_FractionalStep, layer_that_drains_as_it_moves) {
+  const Column column{.E = 10e6,
+                      .k = 1e-4,
+                      .porosity = 0.4,
+                      .density = 1990,
+                      .basis = "gimp",
+                      .law = "constant",
+                      .cells = 10};
+  Json json = column_scene(column);
+  json.erase("analysis");
+  json["time_integration"] = {{"scheme", "explicit"}};
+  const double M = 10e6 * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), G = 990 * 9.81;
+  const auto solver = mpm_solver<2>(json);
+  const std::vector<Vector<2>> start = solver->points().x;
+  const double dt = 1e-3;
+  int steps = 0;
+  for (const auto& [T, base, middle, degree] :
+       {std::array{.1, .643177, .440874, .197746}, std::array{.5, .236050, .166910, .699455}}) {
+    const double t = T * water_density * 9.81 / (column.k * M);
+    const int end = static_cast<int>(std::lround(t / dt));
+    run_steps(*solver, dt, end - steps, steps + 1);
+    steps = end;
+    const Isochrone now = isochrone(column, start, solver->points());
+    const double error =
+        std::max(std::abs(now.p.front() / G - base), std::abs(now.at(0.5) / G - middle));
+    const std::string what = fmt::format("P2, explicit, T {:g}: ", T);
+    verify({.id = "VW9",
+            .what = what + "largest error of the excess pressure, of the buoyant weight",
+            .exact = 0,
+            .computed = error,
+            .measure = Measure::absolute_error,
+            .bound = 0.01});
+    verify({.id = "VW9",
+            .what = what + "share of the settlement",
+            .exact = degree,
+            .computed = now.settlement / (G / (2 * M)),
+            .measure = Measure::absolute_error,
+            .bound = 0.01});
   }
 }
 

@@ -78,7 +78,8 @@ TEST(VW7_Skempton, pressure_of_a_load) {
 /// front at c_u t.
 struct Bar {
   double K_w;
-  bool drains;  ///< with a permeability so small that no cell drains, in implicit steps
+  bool drains;  ///< with a permeability so small that no cell drains
+  bool in_explicit_steps;
 };
 
 void expect_wave(const Bar& bar) {
@@ -98,8 +99,8 @@ void expect_wave(const Bar& bar) {
     json["bodies"][0]["water"]["permeability"] = 1e-14;
   } else {
     json["bodies"][0]["water"]["cavitation_pressure"] = 1e6;
-    json["time_integration"] = {{"scheme", "explicit"}};
   }
+  if (bar.in_explicit_steps) json["time_integration"] = {{"scheme", "explicit"}};
   const auto solver = mpm_solver<2>(json);
   const int steps = 160;  // the front is at 0.8
   double impulse = 0;
@@ -117,9 +118,10 @@ void expect_wave(const Bar& bar) {
     ++count;
   }
   const double stress = saturated_density * c * v;
-  const std::string what =
-      fmt::format("P8, K_w {:g} GPa, {}: ", bar.K_w / 1e9,
-                  bar.drains ? "k 1e-14 m/s, implicit" : "undrained, explicit");
+  const std::string what = fmt::format("P8, K_w {:g} GPa, {}: ", bar.K_w / 1e9,
+                                       !bar.drains             ? "undrained, explicit"
+                                       : bar.in_explicit_steps ? "k 1e-14 m/s, fractional step"
+                                                               : "k 1e-14 m/s, implicit");
   verify({.id = "VW8",
           .what = what + "stress on the moving end",
           .exact = stress,
@@ -135,13 +137,16 @@ void expect_wave(const Bar& bar) {
           .what = what + "displacement of the front, by momentum",
           .exact = c * steps * dt,
           .computed = momentum / (saturated_density * h * v),
-          .bound = 1e-4,
+          // The fractional step is half a substep, 0.25 cells, ahead after a sudden push.
+          .bound = bar.drains && bar.in_explicit_steps ? 0.004 : 1e-4,
           .unit = "m"});
 }
 
 TEST(VW8_UndrainedWave, along_a_bar) {
   for (const double K_w : {2.2e9, 0.22e9}) {
-    for (const bool drains : {false, true}) expect_wave({K_w, drains});
+    expect_wave({K_w, false, true});
+    expect_wave({K_w, true, false});
+    expect_wave({K_w, true, true});
   }
 }
 
