@@ -82,7 +82,7 @@ SOFT = {
     "sand, Rowe": {**DENSE, "softening": {"slip": 0.01, "residual_friction_angle": 25, "dilation": "rowe"}},
     "cemented sand": {**DENSE, "cohesion": 1000, "softening": {"slip": 0.01, "residual_cohesion": 0,
                                                                "residual_friction_angle": 25}},
-    "sand, hardens first": {**DENSE, "softening": {"table": [[0, 0, 35, 8], [0.003, 0, 38, 10], [0.02, 0, 30, 0]]}},
+    "sand, hardens first": {**DENSE, "softening": {"table": [[0.003, 0, 38, 10], [0.02, 0, 30, 0]]}},
     "clay": {**CLAY, "softening": {"slip": 0.01, "residual_cohesion": 100}},
     "quick clay": {**CLAY, "cohesion": 1000, "softening": {"slip": 2e-3, "residual_cohesion": 400,
                                                            "remoulded_cohesion": 10, "remoulding_slip": 0.05}},

@@ -206,7 +206,7 @@ TEST(NonlocalSlip, number_of_ranks_does_not_change_the_result) {
 }
 
 TEST(NonlocalSlip, settings_that_cannot_be_are_refused) {
-  const auto refused = [](const auto& change, const std::vector<std::string>& words) {
+  const auto refused = [](const auto& change, const std::vector<std::string_view>& words) {
     Json json = sheared_clay<2>();
     change(json["bodies"][0]);
     expect_error<ConfigError>([&] { mpm_solver<2>(json); }, words);

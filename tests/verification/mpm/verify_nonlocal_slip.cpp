@@ -50,7 +50,7 @@ Json scene_of(const Layer& layer, double speed) {
   const int ny = static_cast<int>(std::ceil(reach_y / layer.h)) + 2;
   Json clay = elastic_soil("tresca", 2 * G * 1.45, 0.45, 2000);
   clay["cohesion"] = peak;
-  clay["softening"] = {{"table", {{0, peak}, {loss_slip, peak - loss}}}};
+  clay["softening"] = {{"table", {{loss_slip, peak - loss}, {1.5 * loss_slip, peak - 1.5 * loss}}}};
   const auto number = [&](double size) { return static_cast<int>(std::lround(size / layer.h)); };
   Json soil = body("soil",
                    box({-0.5 * width, -0.5 * height}, {0.5 * width, 0.5 * height},
