@@ -25,6 +25,7 @@
 #include "mpm_solver/gauges/gauge_config.hpp"
 #include "mpm_solver/grid/basis.hpp"
 #include "mpm_solver/points/rain.hpp"
+#include "mpm_solver/stress/softening_average_config.hpp"
 
 namespace gabion::mpm {
 
@@ -186,6 +187,11 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
           "initial_stress",
           "found none with the law cam_clay, allowed: \"initial_stress\" of level ground; this "
           "soil has no stiffness and no strength without pressure");
+    }
+    if (auto average = item.optional_object("softening_average")) {
+      settings.softening_averages.resize(items.size());
+      settings.softening_averages[b] =
+          read_softening_average<dim>(std::move(*average), body.material.law);
     }
     item.finish();
     settings.bodies.push_back(std::move(body));

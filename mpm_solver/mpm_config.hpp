@@ -22,6 +22,7 @@
 #include "mpm_solver/step_sizes/step_control.hpp"
 #include "mpm_solver/stress/cell_quadrature.hpp"
 #include "mpm_solver/stress/locking.hpp"
+#include "mpm_solver/stress/softening_average.hpp"
 #include "solver_program/solver_program.hpp"
 
 namespace gabion::mpm {
@@ -42,6 +43,7 @@ struct MpmSettings {
   std::string bodies_where;               ///< their place in the config, for error messages
   std::vector<PointLayout<dim>> layouts;  ///< of each body
   std::vector<std::optional<InitialStress>> initial_stress;  ///< of each body
+  std::vector<SofteningAverage> softening_averages;  ///< of each body; empty: none acts
   BodyGroups body_groups;  ///< none: all bodies share the nodes of the grid
   Vector<dim> gravity = Vector<dim>::Zero();
   std::vector<Phase> phases;         ///< at least one

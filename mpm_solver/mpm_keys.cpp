@@ -8,6 +8,7 @@
 #include "mpm_solver/gauges/gauge_config.hpp"
 #include "mpm_solver/mpm_config.hpp"
 #include "mpm_solver/points/rain.hpp"
+#include "mpm_solver/stress/softening_average_config.hpp"
 
 namespace gabion::mpm {
 
@@ -31,6 +32,10 @@ KeyTable body_keys() {
            key::object("water", body_water_keys(), "Pore water; none: dry.").or_none(),
            key::object("initial_stress", initial_stress_keys(),
                        "Geostatic stress at the start; none: free of stress.")
+               .or_none(),
+           key::object("softening_average", softening_average_keys(),
+                       "The strength of soil that softens by the slip follows a mean over its "
+                       "surroundings; none: bands as narrow as the cells make them.")
                .or_none()}};
 }
 

@@ -10,6 +10,7 @@
 
 #include "common/base/require.hpp"
 #include "mpm_solver/checks/soil_at_rest.hpp"
+#include "mpm_solver/stress/softening_average_config.hpp"
 #include "mpm_solver/stress/step_context.hpp"
 
 namespace gabion::mpm {
@@ -61,6 +62,7 @@ void require_no_snap_back(const MpmSettings<dim>& settings) {
     return std::holds_alternative<SofteningSoil<dim>>(body.material.law);
   });
   if (!softens) return;
+  const auto& averages = settings.softening_averages;
   for (std::int32_t c = 0; c < settings.grid.num_cells(); ++c) {
     widest = std::max(widest, band_width(settings.grid, c));
   }
@@ -68,15 +70,26 @@ void require_no_snap_back(const MpmSettings<dim>& settings) {
   for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
     const auto* soil = std::get_if<SofteningSoil<dim>>(&settings.bodies[b].material.law);
     if (soil == nullptr) continue;
-    const std::string where = fmt::format("{}/{}/material/softening", settings.bodies_where, b);
+    const std::string body = fmt::format("{}/{}", settings.bodies_where, b);
+    const std::string where = body + "/material/softening";
+    const bool averaged = !averages.empty() && averages[b].acts();
+    if (averaged) require_resolved(averages[b], settings.grid, body);
+    // With an average a point hardens in a step.
+    const auto check = [&](const SofteningSoil<dim>& law, const auto& place) {
+      if (averaged) {
+        require_falling(law.parameters().curve, place);
+      } else {
+        check_soil(law, widest, pressure, place);
+      }
+    };
     if (b >= settings.varying.size() || !settings.varying[b]) {
-      check_soil(*soil, widest, pressure, [&] { return where; });
+      check(*soil, [&] { return where; });
       continue;
     }
     const VaryingMaterial<dim>& varying = *settings.varying[b];
     varying.for_each_point(settings.layouts[b], [&](const auto& point) {
-      check_soil(std::get<SofteningSoil<dim>>(point.material.law), widest, pressure,
-                 [&] { return where + ", " + varying.place_of(point.id, point.x); });
+      check(std::get<SofteningSoil<dim>>(point.material.law),
+            [&] { return where + ", " + varying.place_of(point.id, point.x); });
     });
   }
 }

@@ -35,7 +35,7 @@ constexpr double share_of_stopping = 1e-3;
 template <int dim>
 Equilibrium<dim>::Equilibrium(const Parts& parts)
     : parts_(parts),
-      context_{.dt = parts.dt, .grid = &parts.grid},
+      context_{.dt = parts.dt, .grid = &parts.grid, .averages = parts.averages},
       internal_({.bodies = parts.bodies,
                  .points = parts.points,
                  .weights = parts.weights,

@@ -56,6 +56,7 @@ class Equilibrium final : public NewtonProblem<dim> {
     bool average_volumes = false;                        ///< F-bar, see AveragedForces
     const GhostStiffness<dim>* ghost = nullptr;          ///< null: none
     std::span<const MaterialLaw<dim>* const> laws = {};  ///< StressParts::laws
+    SofteningAverages averages = {};                     ///< of the bodies
   };
   explicit Equilibrium(const Parts& parts);
 

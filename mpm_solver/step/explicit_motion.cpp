@@ -37,6 +37,7 @@ template <int dim>
 const StressParts<dim>& ExplicitMotion<dim>::with_path() {
   parts_.stress.path = &path_;
   context_.grid = &parts_.grid;
+  context_.averages = parts_.averages;
   parts_.stress.context = &context_;
   parts_.stress.kept = &kept_;
   return parts_.stress;

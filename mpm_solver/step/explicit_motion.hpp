@@ -35,6 +35,7 @@ class ExplicitMotion {
   struct Parts {
     StressParts<dim> stress;
     const BackgroundGrid<dim>& grid;
+    SofteningAverages averages;  ///< of the bodies
     const WallConditions<dim>& walls;
     Surfaces<dim>& surfaces;
     double cell_size;

@@ -93,6 +93,7 @@ void ExplicitStep<dim>::begin(const StepStart& start) {
                                                      .held_normal = walls().held_normal(),
                                                      .laws = parts_.soil.laws().of_points()},
                                           .grid = model.grid,
+                                          .averages = model.settings.softening_averages,
                                           .walls = walls(),
                                           .surfaces = parts_.state.surfaces,
                                           .cell_size = model.cell_size,

@@ -87,7 +87,8 @@ void ImplicitStep<dim>::make_equilibrium(const Gravity& gravity) {
       .f_pore = f_pore_,
       .average_volumes = model.settings.locking.average_volumes,
       .ghost = parts_.soil.ghost(),
-      .laws = (weaker_.empty() ? parts_.soil.laws() : weaker_laws_).of_points()});
+      .laws = (weaker_.empty() ? parts_.soil.laws() : weaker_laws_).of_points(),
+      .averages = model.settings.softening_averages});
   system_.begin(*equilibrium_, regime(), state.pause);
 }
 

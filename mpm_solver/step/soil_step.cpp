@@ -15,6 +15,7 @@
 #include "mpm_solver/grid/noise_damping.hpp"
 #include "mpm_solver/grid/point_domains.hpp"
 #include "mpm_solver/step/seepage_step.hpp"
+#include "mpm_solver/stress/nonlocal_slip.hpp"
 #include "mpm_solver/stress/point_motion.hpp"
 #include "mpm_solver/stress/shared_volumes.hpp"
 
@@ -118,6 +119,8 @@ void SoilStep<dim>::begin_with(const StepRequest& request, const StrengthSearch&
   if (!state_.is_empty()) {
     soil_.walls(start_.phase).begin_step(request.time, request.dt);
     map_soil();
+    set_nonlocal_slip<dim>(model_.settings.softening_averages, soil_.weights(), soil_.nodes(),
+                           state_.points);
     begin_surfaces();
     method_->begin(start_);
   }
@@ -248,8 +251,9 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   const std::vector<std::int32_t> cell_n = points.cell;
   const auto outside = find_cells(model_.grid, points);
   if (model_.settings.locking.average_volumes) {
-    end.balance.sharing_loss = share_volumes(state_.ranks.owners(), model_.settings.bodies, points,
-                                             soil_.laws().of_points());
+    end.balance.sharing_loss =
+        share_volumes(state_.ranks.owners(), model_.settings.bodies, points,
+                      soil_.laws().of_points(), model_.settings.softening_averages);
   }
   state_.gauges.add_step(x_n, points, start_.dt);
   state_.ledger.add_step(end.balance, start_.scheme, start_.dt, end.plastic_work, points);

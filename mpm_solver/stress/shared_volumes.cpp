@@ -344,7 +344,8 @@ class SharedWater {
 
 template <int dim>
 double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>& bodies,
-                     MaterialPoints<dim>& points, LawsOfPoints<dim> laws) {
+                     MaterialPoints<dim>& points, LawsOfPoints<dim> laws,
+                     SofteningAverages averages) {
   SharedWater<dim> water(owners, bodies, points);
   double lost = water.share();
   GroupVolumes<dim> volumes(owners, points);
@@ -365,7 +366,7 @@ double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>
     volumes.add(b, p, theta[p]);
   });
   volumes.sum();
-  const StepContext<dim> at_once{.dt = 0, .grid = &owners.grid};
+  const StepContext<dim> at_once{.dt = 0, .grid = &owners.grid, .averages = averages};
   for_each_point([&]<class Law>(const Law&, std::int32_t b, std::int32_t p) {
     const double d = volumes.strain(b, p) - theta[p];
     if (!(std::abs(d) > same_strain)) return;
@@ -381,8 +382,8 @@ double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>
 }
 
 template double share_volumes<2>(const CellOwners<2>&, const std::vector<Body<2>>&,
-                                 MaterialPoints<2>&, LawsOfPoints<2>);
+                                 MaterialPoints<2>&, LawsOfPoints<2>, SofteningAverages);
 template double share_volumes<3>(const CellOwners<3>&, const std::vector<Body<3>>&,
-                                 MaterialPoints<3>&, LawsOfPoints<3>);
+                                 MaterialPoints<3>&, LawsOfPoints<3>, SofteningAverages);
 
 }  // namespace gabion::mpm

@@ -5,6 +5,7 @@
 
 #include "mpm_solver/grid/cell_owners.hpp"
 #include "mpm_solver/points/laws_of_points.hpp"
+#include "mpm_solver/stress/softening_average.hpp"
 
 namespace gabion::mpm {
 
@@ -32,12 +33,14 @@ namespace gabion::mpm {
 ///
 /// Points may have entered cells of other ranks: these ranks then exchange the sums of such groups.
 ///
-/// @param laws  of the points, see LawsOfPoints
+/// @param laws      of the points, see LawsOfPoints
+/// @param averages  of the bodies
 /// @pre   the points are located; those outside the grid (cell -1) are left as they are
 /// @returns elastic energy of all ranks' points that is lost by it [J]
 /// @note  Collective.
 template <int dim>
 double share_volumes(const CellOwners<dim>& owners, const std::vector<Body<dim>>& bodies,
-                     MaterialPoints<dim>& points, LawsOfPoints<dim> laws = {});
+                     MaterialPoints<dim>& points, LawsOfPoints<dim> laws = {},
+                     SofteningAverages averages = {});
 
 }  // namespace gabion::mpm

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/stress/step_context.hpp"
 
+#include <algorithm>
+
 namespace gabion::mpm {
 
 // Width of the band over the cell size for which a layer that is sheared along the rows of the
@@ -20,6 +22,11 @@ PointContext StepContext<dim>::of_point(const MaterialPoints<dim>& points, std::
   PointContext context{.dt = dt};
   if (grid != nullptr && points.cell[p] >= 0) {
     context.band_width = gabion::mpm::band_width(*grid, points.cell[p]);
+  }
+  if (!averages.empty()) {
+    const auto next = std::ranges::upper_bound(points.body_starts, p);
+    const SofteningAverage& average = averages[next - points.body_starts.begin() - 1];
+    if (average.acts()) context.band_width = average.own_width();
   }
   if (!points.internal.empty()) context.internal = points.internal[p];
   if (!points.variables.empty()) context.variables = numbers_of(points.variables[p]);

@@ -5,6 +5,7 @@
 
 #include "mpm_solver/grid/background_grid.hpp"
 #include "mpm_solver/points/material_points.hpp"
+#include "mpm_solver/stress/softening_average.hpp"
 
 namespace gabion::mpm {
 
@@ -13,6 +14,7 @@ template <int dim>
 struct StepContext {
   double dt = 0;                              ///< [s]
   const BackgroundGrid<dim>* grid = nullptr;  ///< null: no band is as narrow as the grid makes it
+  SofteningAverages averages = {};            ///< of the bodies
 
   /// Context of one point at the accepted state.
   PointContext of_point(const MaterialPoints<dim>& points, std::int32_t p) const;

@@ -93,6 +93,7 @@ StrengthCurve read_exponential(ConfigReader& in, const VirginSoil& virgin, bool 
   curve.residual = {in.number_or("residual_cohesion", virgin.cohesion), 0, 0};
   if (!frictional) {
     curve.remoulded_cohesion = curve.residual.cohesion;
+    if (!by_slip) return StrengthCurve(curve);
     if (const auto remoulded = in.optional_number("remoulded_cohesion")) {
       if (*remoulded > curve.residual.cohesion) {
         in.fail("remoulded_cohesion",

@@ -110,6 +110,7 @@ Residual residual_at(const SofteningSurface& surface, const ShearSoFar& before, 
 }  // namespace
 
 SoftenedConstants SofteningSurface::at(double x, double rate) const {
+  if (x < 0) x = rate = 0;
   const auto [value, slope] = curve.at(x);
   SoftenedConstants now;
   const double k = ratio(value.sin_friction);

@@ -58,6 +58,8 @@ TEST(ReadSoftening, of_tables) {
   const auto soil = read(sand({{"table", {{0.005, 1000, 42, 12}, {0.05, 0, 33, 0}}}}));
   EXPECT_TRUE(soil.parameters().by_slip);
   EXPECT_NEAR(soil.parameters().curve.at(0.005).value.sin_friction, std::sin(42 * degree), 1e-15);
+  const auto by_strain = read(clay({{"strain", 0.02}, {"residual_cohesion", 1e4}}));
+  EXPECT_FALSE(by_strain.parameters().by_slip);
   const auto strain = read(clay({{"strain_table", {{0.1, 1e4}}}}));
   EXPECT_FALSE(strain.parameters().by_slip);
 }

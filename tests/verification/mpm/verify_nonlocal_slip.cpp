@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Over-nonlocal softening of a layer that is sheared, on several grids and on grids turned by 20
+// degrees against it.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/verification_row.hpp"
+#include "tests/unit/mpm/mpm_scene.hpp"
+
+namespace gabion::test {
+namespace {
+
+constexpr double G = 3e6, peak = 40e3, loss = 20e3, loss_slip = 0.02;  // [Pa], [m]
+constexpr double length = 0.1, height = 1, width = 2;                  // l, of the layer [m]
+
+struct Layer {
+  double h;      ///< of the cells [m]
+  double angle;  ///< of the layer to the rows of the grid [rad]
+  double m = 2;
+
+  Matrix<2> turn() const {
+    Matrix<2> R;
+    R << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+    return R;
+  }
+};
+
+Json plate(const Layer& layer, const std::string& name, double y, double speed) {
+  Json line = Json::array();
+  for (const double x : {-0.5 * width, 0.5 * width}) {
+    const Vector<2> end = layer.turn() * Vector<2>(x, y);
+    line.push_back({end[0], end[1]});
+  }
+  const Vector<2> v = layer.turn() * Vector<2>(speed, 0);
+  return {{"name", name},
+          {"surface", {{"polyline", line}, {"spacing", layer.h / 2}}},
+          {"method", "boundary_points"},
+          {"mode", "fixed"},
+          {"penalty", 1000 * G / layer.h},
+          {"motion", {{"velocity", {v[0], v[1]}}}}};
+}
+
+Json scene_of(const Layer& layer, double speed) {
+  const double reach_x = 0.5 * width * std::cos(layer.angle) + 0.5 * height * std::sin(layer.angle);
+  const double reach_y = 0.5 * width * std::sin(layer.angle) + 0.5 * height * std::cos(layer.angle);
+  const int nx = static_cast<int>(std::ceil(reach_x / layer.h)) + 2;
+  const int ny = static_cast<int>(std::ceil(reach_y / layer.h)) + 2;
+  Json clay = elastic_soil("tresca", 2 * G * 1.45, 0.45, 2000);
+  clay["cohesion"] = peak;
+  clay["softening"] = {{"table", {{loss_slip, peak - loss}, {1.5 * loss_slip, peak - 1.5 * loss}}}};
+  const auto number = [&](double size) { return static_cast<int>(std::lround(size / layer.h)); };
+  Json soil = body("soil",
+                   box({-0.5 * width, -0.5 * height}, {0.5 * width, 0.5 * height},
+                       {number(width), number(height)}, "quad4"),
+                   4, clay);
+  soil["softening_average"] = {{"length", length}, {"weight", layer.m}};
+  return {{"dimension", 2},
+          {"analysis", "quasi_static"},
+          {"basis", "linear"},
+          {"grid", box({-nx * layer.h, -ny * layer.h}, {nx * layer.h, ny * layer.h},
+                       {2 * nx, 2 * ny}, "quad4")},
+          {"bodies", {soil}},
+          {"rigid_walls",
+           {plate(layer, "below", -0.5 * height, 0), plate(layer, "above", 0.5 * height, speed)}},
+          {"newton", {{"residual_tolerance", 1e-7}, {"increment_tolerance", 1e-5}}},
+          {"linear_solver", {{"method", "lu"}}}};
+}
+
+/// Of the middle part of the layer.
+struct Middle {
+  double stress = 0;          ///< mean shear stress [Pa]
+  double slip = 0;            ///< by the softening strain [m]
+  std::vector<double> kappa;  ///< of its points
+};
+
+Middle middle_of(const mpm::MpmSolver<2>& solver, const Layer& layer) {
+  constexpr double part = 0.5;  // its width [m]
+  const auto& points = solver.points();
+  const Vector<2> along = layer.turn().col(0), across = layer.turn().col(1);
+  Middle found;
+  double volume = 0;
+  for (std::int32_t p = 0; p < points.size(); ++p) {
+    const Vector<2> X = points.x[p] - points.u[p];
+    const bool is_in = std::abs(X.dot(along)) < 0.5 * part;
+    found.kappa.push_back(is_in ? points.internal[p][0] : 0);
+    if (!is_in) continue;
+    const double V = points.V0[p] * points.J[p];
+    volume += V;
+    found.stress += V * along.dot(in_plane<2>(points.tau[p]) * across);
+    found.slip += std::numbers::sqrt3 * V * points.internal[p][0] / part;
+  }
+  found.stress /= volume;
+  return found;
+}
+
+struct Band {
+  double slope;          ///< of the stress by the slip [Pa/m]
+  double participation;  ///< (integral of kappa)^2 / integral of kappa^2, over l
+};
+
+/// A first step to 0.97 of the peak, then short ones: the mean of the strains lags behind by a
+/// step.
+Band shear(const Layer& layer) {
+  const double speed = peak / G * height + 0.006;  // in one second
+  const double elastic = 0.97 * peak / G * height / speed;
+  const int steps = 120;
+  const TemporaryScene folder("mpm.json", scene_of(layer, speed));
+  const Scene scene(folder.path(), {});
+  ConfigReader in = scene.reader("mpm.json", mpm::mpm_keys());
+  in.integer("dimension");
+  auto settings = mpm::read_mpm_settings<2>(scene, in, nullptr);
+  for (auto& x : settings.layouts[0].mesh.nodes) x = layer.turn() * x;
+  // The stress is largest in the middle, by 1 % of that at the plates.
+  const double push = 0.01 * peak / (0.5 * height) / 2000;
+  settings.body_acceleration = [&](const Vector<2>& X, double) {
+    const double y = X.dot(layer.turn().col(1));
+    return Vector<2>((y > 0 ? push : -push) * layer.turn().col(0));
+  };
+  mpm::MpmSolver<2> solver(comm(), std::move(settings), "");
+  Middle first, last;
+  double time = 0;
+  for (int n = 1; n <= steps + 1; ++n) {
+    const double dt = n == 1 ? elastic : (1 - elastic) / steps;
+    const StepRequest request{n, 0, time, dt};
+    InterfaceValues sent;
+    solver.solve_step(request, {}, sent);
+    solver.accept_step(request, true);
+    time += dt;
+    last = middle_of(solver, layer);
+    if (first.slip == 0 && last.slip > 0.1 * loss_slip) first = last;
+  }
+  double sum = 0, squares = 0;
+  const auto& points = solver.points();
+  for (std::int32_t p = 0; p < points.size(); ++p) {
+    const double V = points.V0[p] * points.J[p], kappa = last.kappa[p] - first.kappa[p];
+    sum += V * kappa / 0.5;
+    squares += V * kappa * kappa / 0.5;
+  }
+  return {(last.stress - first.stress) / (last.slip - first.slip), sum * sum / squares / length};
+}
+
+/// kappa = K (1 + sqrt(m / (m - 1)) cos(y / (l sqrt(m - 1)))) in the band |y| < w / 2.
+double exact_participation(double m) {
+  const double q = std::sqrt(m - 1), s = std::numbers::pi - std::atan(1 / q);
+  const double b = std::sqrt(m / (m - 1));
+  const double sum = 2 * q * (s + b * std::sin(s));
+  const double squares =
+      2 * q * (s + 2 * b * std::sin(s) + 0.5 * b * b * (s + 0.5 * std::sin(2 * s)));
+  return sum * sum / squares;
+}
+
+void check(const Layer& layer, double width_bound) {
+  const Band band = shear(layer);
+  const std::string what = fmt::format(
+      "layer that is sheared, l 0.1 m, m {}, cells of {:.3g} m, turned by {:.3g} deg: ", layer.m,
+      layer.h, layer.angle * 180 / M_PI);
+  verify({.id = "VA3",
+          .what = what + "stress by slip",
+          .exact = -loss / loss_slip,
+          .computed = band.slope,
+          .bound = 0.03,
+          .unit = "Pa/m"});
+  verify({.id = "VA3",
+          .what = what + "(integral of kappa)^2 / integral of kappa^2, by l",
+          .exact = exact_participation(layer.m),
+          .computed = band.participation,
+          .bound = width_bound});
+}
+
+TEST(VA3_NonlocalLayer, has_slope_and_width_of_its_own) {
+  for (const double h : {1.0 / 15, 0.05, 1.0 / 30}) check({h, 0}, 0.05);
+  check({0.05, 0, 1.5}, 0.05);
+  for (const double h : {1.0 / 15, 0.05, 1.0 / 30}) check({h, 20 * M_PI / 180}, 0.05);
+}
+
+}  // namespace
+}  // namespace gabion::test
