@@ -94,8 +94,13 @@ StepReport FemSolver<dim>::solve_step(const StepRequest& request, const Interfac
   trial_.reset();
   state_.time = request.time;
   StructureState trial;
-  StepReport report =
-      step_.solve(state_, interface_forces(received, request.dt), request.dt, trial);
+  StepReport report;
+  try {
+    report = step_.solve(state_, interface_forces(received, request.dt), request.dt, trial);
+  } catch (const ConvergenceError& error) {
+    if (settings_.dynamic) throw;
+    throw failures_.judge(request, error, "let loads grow from 0 by \"table\", over several steps");
+  }
   sent = interface_displacements(trial);
   trial_ = std::move(trial);
   return report;
@@ -143,12 +148,12 @@ Json FemSolver<dim>::summary() const {
   return summary;
 }
 
+/// Name of TangentPoint::history, saved by cell as the history itself.
+constexpr const char* tangent_history = "tangent.history";
+
 template <int dim>
 State FemSolver<dim>::save_state() {
   const MeshRanks& ranks = settings_.ranks;
-  // A matrix of cells with history depends on their history at the time: the step after a saved
-  // state begins without, in this run as in one that goes on from it.
-  if (state_.history) state_.tangent.reset();
   StructureState own = state_;
   for (const auto& [name, values] : own.nodal_vectors()) {
     *values = ranks.owned(std::move(*values), dim);
@@ -165,6 +170,10 @@ State FemSolver<dim>::save_state() {
                      .width = static_cast<std::int64_t>(cells.history_width()),
                      .values = cells.history_rows(*own.history)};
     own.visit_history(writer, rows);
+    if (own.tangent) {
+      auto of_tangent = cells.history_rows(*own.tangent->history);
+      writer.list(tangent_history, of_tangent);
+    }
   }
   return state;
 }
@@ -181,6 +190,7 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
   const MeshRanks& ranks = settings_.ranks;
   StructureState loaded;
   HistoryRows history;
+  std::vector<double> of_tangent;
   std::vector<std::int64_t> nodes;
   together(ranks.comm(), [&] {
     StateJoiner joiner(first, own);
@@ -188,6 +198,7 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
     if (step_.equilibrium().damped()) loaded.visit_damping(joiner);
     if (step_.equilibrium().cracks()) loaded.visit_damage(joiner);
     if (state_.history) loaded.visit_history(joiner, history);
+    if (state_.history && loaded.tangent) joiner.list(tangent_history, of_tangent);
     for (const auto& [name, values] : loaded.nodal_vectors()) {
       require(values->size() == nodes.size() * dim,
               "saved state: \"{}\" has {} values for {} nodes, allowed: {} a node", name,
@@ -198,20 +209,24 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
                                ranks.held_nodes(mesh), ranks.num_nodes_of_all(mesh),
                                "saved state: nodes");
   for (const auto& [name, values] : loaded.nodal_vectors()) *values = holders.send(*values, dim);
-  if (state_.history) loaded.history = history_of(history);
+  if (state_.history) {
+    loaded.history = history_of(history, history.values);
+    if (loaded.tangent) loaded.tangent->history = history_of(history, of_tangent);
+  }
   state_ = std::move(loaded);
 }
 
-/// Send the rows to the ranks that have the cells here.
+/// Send rows of the saved cells to the ranks that have the cells here.
 template <int dim>
-CellHistory FemSolver<dim>::history_of(const HistoryRows& saved) const {
+CellHistory FemSolver<dim>::history_of(const HistoryRows& saved,
+                                       const std::vector<double>& values) const {
   const MeshRanks& ranks = settings_.ranks;
   const CellIntegrals<dim>& cells = step_.equilibrium().cells();
   const auto width = static_cast<std::int64_t>(cells.history_width());
   together(ranks.comm(), [&] {
-    require(saved.width == width && saved.values.size() == saved.cells.size() * width,
+    require(saved.width == width && values.size() == saved.cells.size() * width,
             "saved state: \"history\" has {} values for {} cells, allowed: {} a cell",
-            saved.values.size(), saved.cells.size(), width);
+            values.size(), saved.cells.size(), width);
   });
   std::vector<std::int32_t> wanted;
   for (const std::int64_t c : ranks.own_elements(settings_.mesh)) {
@@ -221,7 +236,7 @@ CellHistory FemSolver<dim>::history_of(const HistoryRows& saved) const {
   const NumberedValues holders(ranks.alone() ? MPI_COMM_SELF : ranks.comm(), saved.cells, wanted,
                                ranks.num_cells_of_all(mesh) + ranks.num_lines_of_all(mesh),
                                "saved state: cells");
-  const std::vector<double> rows = holders.send(saved.values, static_cast<int>(width));
+  const std::vector<double> rows = holders.send(values, static_cast<int>(width));
   return std::make_shared<const std::vector<double>>(cells.history_of_rows(rows));
 }
 
