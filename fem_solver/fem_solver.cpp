@@ -94,8 +94,13 @@ StepReport FemSolver<dim>::solve_step(const StepRequest& request, const Interfac
   trial_.reset();
   state_.time = request.time;
   StructureState trial;
-  StepReport report =
-      step_.solve(state_, interface_forces(received, request.dt), request.dt, trial);
+  StepReport report;
+  try {
+    report = step_.solve(state_, interface_forces(received, request.dt), request.dt, trial);
+  } catch (const ConvergenceError& error) {
+    if (settings_.dynamic) throw;
+    throw failures_.judge(request, error, "let loads grow from 0 by \"table\", over several steps");
+  }
   sent = interface_displacements(trial);
   trial_ = std::move(trial);
   return report;
@@ -143,6 +148,9 @@ Json FemSolver<dim>::summary() const {
   return summary;
 }
 
+/// Name of TangentPoint::history, saved by cell as the history itself.
+constexpr const char* tangent_history = "tangent.history";
+
 template <int dim>
 State FemSolver<dim>::save_state() {
   const MeshRanks& ranks = settings_.ranks;
@@ -157,11 +165,15 @@ State FemSolver<dim>::save_state() {
   if (step_.equilibrium().damped()) own.visit_damping(writer);
   if (step_.equilibrium().cracks()) own.visit_damage(writer);
   if (own.history) {
-    HistoryRows rows = rows_of(own.history);
+    const CellIntegrals<dim>& cells = step_.equilibrium().cells();
+    HistoryRows rows{.cells = ranks.own_elements(settings_.mesh),
+                     .width = static_cast<std::int64_t>(cells.history_width()),
+                     .values = cells.history_rows(*own.history)};
     own.visit_history(writer, rows);
-    bool same = own.tangent && own.tangent->history == own.history;
-    HistoryRows of_tangent = own.tangent && !same ? rows_of(own.tangent->history) : HistoryRows{};
-    own.visit_tangent_history(writer, same, of_tangent);
+    if (own.tangent) {
+      auto of_tangent = cells.history_rows(*own.tangent->history);
+      writer.list(tangent_history, of_tangent);
+    }
   }
   return state;
 }
@@ -177,18 +189,16 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
   const Mesh<dim>& mesh = settings_.mesh;
   const MeshRanks& ranks = settings_.ranks;
   StructureState loaded;
-  HistoryRows history, of_tangent;
-  bool same = false;
+  HistoryRows history;
+  std::vector<double> of_tangent;
   std::vector<std::int64_t> nodes;
   together(ranks.comm(), [&] {
     StateJoiner joiner(first, own);
     loaded.visit_state(joiner, nodes);
     if (step_.equilibrium().damped()) loaded.visit_damping(joiner);
     if (step_.equilibrium().cracks()) loaded.visit_damage(joiner);
-    if (state_.history) {
-      loaded.visit_history(joiner, history);
-      loaded.visit_tangent_history(joiner, same, of_tangent);
-    }
+    if (state_.history) loaded.visit_history(joiner, history);
+    if (state_.history && loaded.tangent) joiner.list(tangent_history, of_tangent);
     for (const auto& [name, values] : loaded.nodal_vectors()) {
       require(values->size() == nodes.size() * dim,
               "saved state: \"{}\" has {} values for {} nodes, allowed: {} a node", name,
@@ -199,31 +209,24 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
                                ranks.held_nodes(mesh), ranks.num_nodes_of_all(mesh),
                                "saved state: nodes");
   for (const auto& [name, values] : loaded.nodal_vectors()) *values = holders.send(*values, dim);
-  if (state_.history) loaded.history = history_of(history);
-  if (state_.history && loaded.tangent) {
-    loaded.tangent->history = same ? loaded.history : history_of(of_tangent);
+  if (state_.history) {
+    loaded.history = history_of(history, history.values);
+    if (loaded.tangent) loaded.tangent->history = history_of(history, of_tangent);
   }
   state_ = std::move(loaded);
 }
 
+/// Send rows of the saved cells to the ranks that have the cells here.
 template <int dim>
-HistoryRows FemSolver<dim>::rows_of(const CellHistory& history) const {
-  const CellIntegrals<dim>& cells = step_.equilibrium().cells();
-  return {.cells = settings_.ranks.own_elements(settings_.mesh),
-          .width = static_cast<std::int64_t>(cells.history_width()),
-          .values = cells.history_rows(*history)};
-}
-
-/// Send the rows to the ranks that have the cells here.
-template <int dim>
-CellHistory FemSolver<dim>::history_of(const HistoryRows& saved) const {
+CellHistory FemSolver<dim>::history_of(const HistoryRows& saved,
+                                       const std::vector<double>& values) const {
   const MeshRanks& ranks = settings_.ranks;
   const CellIntegrals<dim>& cells = step_.equilibrium().cells();
   const auto width = static_cast<std::int64_t>(cells.history_width());
   together(ranks.comm(), [&] {
-    require(saved.width == width && saved.values.size() == saved.cells.size() * width,
+    require(saved.width == width && values.size() == saved.cells.size() * width,
             "saved state: \"history\" has {} values for {} cells, allowed: {} a cell",
-            saved.values.size(), saved.cells.size(), width);
+            values.size(), saved.cells.size(), width);
   });
   std::vector<std::int32_t> wanted;
   for (const std::int64_t c : ranks.own_elements(settings_.mesh)) {
@@ -233,7 +236,7 @@ CellHistory FemSolver<dim>::history_of(const HistoryRows& saved) const {
   const NumberedValues holders(ranks.alone() ? MPI_COMM_SELF : ranks.comm(), saved.cells, wanted,
                                ranks.num_cells_of_all(mesh) + ranks.num_lines_of_all(mesh),
                                "saved state: cells");
-  const std::vector<double> rows = holders.send(saved.values, static_cast<int>(width));
+  const std::vector<double> rows = holders.send(values, static_cast<int>(width));
   return std::make_shared<const std::vector<double>>(cells.history_of_rows(rows));
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/mechanics/materials/rotation_warning.hpp"
+#include "common/run/repeated_failure.hpp"
 #include "common/run/solver.hpp"
 #include "common/run/start.hpp"
 #include "fem_solver/fem_config.hpp"
@@ -56,8 +57,7 @@ class FemSolver final : public Solver, public DisplacedAtStart {
   const MeshRanks& ranks() const { return settings_.ranks; }
 
  private:
-  HistoryRows rows_of(const CellHistory& history) const;
-  CellHistory history_of(const HistoryRows& saved) const;
+  CellHistory history_of(const HistoryRows& saved, const std::vector<double>& values) const;
   ExternalForces interface_forces(const InterfaceValues& received, double dt) const;
   InterfaceValues interface_displacements(const StructureState& state) const;
   std::vector<Matrix<dim>> turns_of(const StructureState& state) const;
@@ -69,6 +69,7 @@ class FemSolver final : public Solver, public DisplacedAtStart {
   StructureReport<dim> report_;
   StructureState state_;
   std::optional<StructureState> trial_;
+  RepeatedFailure failures_;  // of static steps
   RotationWarning rotation_;
 };
 

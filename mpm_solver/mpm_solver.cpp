@@ -53,7 +53,9 @@ StepReport MpmSolver<dim>::solve_step(const StepRequest& request, const Interfac
     report = step_.solve(request, received);
   } catch (const ConvergenceError& error) {
     step_.note_failure(error, request.dt);
-    throw;
+    if (step_.phase().dynamic) throw;
+    throw failures_.judge(request, error,
+                          "let the load grow over several steps, weight by \"gravity_ramp\"");
   }
   sent = state_.surfaces.forces_on_structure();
   state_.boulders.add_forces(sent);

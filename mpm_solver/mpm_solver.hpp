@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/timer.hpp"
+#include "common/run/repeated_failure.hpp"
 #include "common/run/solver.hpp"
 #include "mpm_solver/contact/thin_walls.hpp"
 #include "mpm_solver/report/soil_report.hpp"
@@ -58,6 +59,7 @@ class MpmSolver final : public Solver {
   SoilStep<dim> step_;
   SoilReport<dim> report_;
   ThinWalls<dim> thin_walls_;
+  RepeatedFailure failures_;  // of quasi-static steps
 };
 
 }  // namespace gabion::mpm

@@ -182,6 +182,29 @@ gabion_status gabion_get_force_kind(gabion_participant* p, const char* interface
   });
 }
 
+gabion_status gabion_set_start_displacement(gabion_participant* p, const char* interface_name,
+                                            const double* values, size_t count) {
+  return call(p, [&](gabion::Participant& participant) {
+    require_given(values, "values");
+    participant.set_start_displacement(interface_name,
+                                       {values, checked_count(participant, interface_name, count)});
+  });
+}
+
+gabion_status gabion_on_set_start(gabion_participant* p,
+                                  int (*take)(const char*, const double*, size_t, void*),
+                                  void* user) {
+  return call(p, [&](gabion::Participant& participant) {
+    require_given(reinterpret_cast<const void*>(take), "take");
+    participant.on_set_start([take, user](const gabion::InterfaceValues& displacements) {
+      for (const auto& [name, values] : displacements) {
+        const int code = take(name.c_str(), values.data(), values.size(), user);
+        gabion::require(code == 0, "taking the start of \"{}\" failed, code {}", name, code);
+      }
+    });
+  });
+}
+
 gabion_status gabion_set_probes(gabion_participant* p, size_t count, const char* const* names,
                                 const double* values) {
   return call(p, [&](gabion::Participant& participant) {

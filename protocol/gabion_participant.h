@@ -75,6 +75,20 @@ gabion_status gabion_set_interface(gabion_participant* p, const char* name, size
 gabion_status gabion_set_force_kind(gabion_participant* p, const char* interface_name,
                                     gabion_force_kind kind);
 
+/* Of a structure: displacements [m] of an interface in the initial state, which is displaced; count
+ * is num_vertices x dimension. After gabion_set_interface, before gabion_initialize. */
+gabion_status gabion_set_start_displacement(gabion_participant* p, const char* interface_name,
+                                            const double* values, size_t count);
+
+/* Of a soil, before gabion_initialize, which calls take(interface name, displacements [m], count,
+ * user) for each interface where a structure begins displaced; not in a restart. It calls
+ * gabion_write_probes where they change, and returns 0, or anything else to end the run. What
+ * gabion_read_data gives remains total, from the reference. */
+gabion_status gabion_on_set_start(gabion_participant* p,
+                                  int (*take)(const char* interface_name, const double* values,
+                                              size_t count, void* user),
+                                  void* user);
+
 /* Numbers that the run shall record: names, and values in the initial state; later values at the
  * end of a step. */
 gabion_status gabion_set_probes(gabion_participant* p, size_t count, const char* const* names,

@@ -95,7 +95,9 @@ void Participant::initialize() {
                                   .probe_names = probe_names_,
                                   .probes = probes_,
                                   .keeps_state = save_ != nullptr,
-                                  .takes_force_kinds = settings_.receives == force()};
+                                  .takes_force_kinds = settings_.receives == force(),
+                                  .start = start_,
+                                  .takes_start = take_start_ != nullptr};
   try {
     read_hello(to_message(hello_of(settings_, introduction)));
   } catch (const ProtocolError& problem) {

@@ -60,6 +60,15 @@ class Participant : private RequestHandler {
   /// Set the kind of force that a soil sends on this interface; by default the force at the end of
   /// the step. Call it before initialize() and after set_interface().
   void set_force_kind(const std::string& interface, ForceKind kind);
+  /// Of a structure: displacements of an interface in the initial state, which is displaced: in
+  /// equilibrium with its weight, say. Call it before initialize() and after set_interface().
+  /// @param values  [m], num_vertices x dim
+  void set_start_displacement(const std::string& interface, std::span<const double> values);
+  /// Of a soil: `take(displacements)` [m, of all interfaces] is told where the structures begin. It
+  /// is called in initialize(), only where one of them is displaced, not in a restart; it calls
+  /// write_probes() where they change. What read_data() gives remains total, from the reference.
+  /// It throws where the soil cannot begin so, which ends the run. Call it before initialize().
+  void on_set_start(std::function<void(const InterfaceValues&)> take);
   /// Numbers that the run shall record. Call it before initialize().
   /// @param values  in the initial state, as many as names
   void set_probes(std::vector<std::string> names, std::span<const double> values);
@@ -125,6 +134,7 @@ class Participant : private RequestHandler {
   // The functions below answer the coupler. An answer is pending while it waits for the code, which
   // may have to go back first.
   Answer set_force_kinds(const ForceKinds& kinds) override;
+  Answer set_start(const InterfaceValues& displacements) override;
   Answer solve_step(const StepRequest& step, InterfaceValues received) override;
   Answer accept_step(const StepRequest& step, bool solved) override;
   Answer reject_step() override;
@@ -153,6 +163,8 @@ class Participant : private RequestHandler {
   std::vector<std::string> probe_names_;
   std::vector<double> probes_;           // probes in the code's current state
   std::vector<double> accepted_probes_;  // probes in the accepted state
+  InterfaceValues start_;                // displacements of the start where any is not zero [m]
+  std::function<void(const InterfaceValues&)> take_start_;  // empty: does not take one
   std::function<void(double)> output_;
   std::function<std::vector<std::byte>()> save_;  // empty: does not keep its state
   std::function<void(std::span<const std::byte>)> load_;

@@ -11,6 +11,7 @@
 #include "common/run/balance_watch.hpp"
 #include "common/run/loop_checkpoints.hpp"
 #include "common/run/progress.hpp"
+#include "common/run/repeated_failure.hpp"
 
 namespace gabion {
 
@@ -107,6 +108,7 @@ class LoneRun {
       return true;
     } catch (const ConvergenceError& error) {
       solver_.reject_step();
+      if (error.cause() == fails_at_any_dt) throw;
       steps_.cut(error.what());
       log::warn("step {} at {} s: dt cut to {} s: {}", request.step, request.time, steps_.dt(),
                 error.what());

@@ -79,14 +79,4 @@ void StructureState::visit_history(StateVisitor& visitor, HistoryRows& rows) {
   visitor.list("history", rows.values);
 }
 
-void StructureState::visit_tangent_history(StateVisitor& visitor, bool& own,
-                                           HistoryRows& rows) const {
-  if (!tangent) return;
-  visitor.flag("tangent.has_own_history", own);
-  if (own) return;
-  visitor.integer("tangent.history_width", rows.width);
-  visitor.list("tangent.cells", rows.cells);
-  visitor.list("tangent.history", rows.values);
-}
-
 }  // namespace gabion::fem

@@ -89,9 +89,6 @@ struct StructureState {
   /// The same of what only a structure with history has.
   /// @param rows  of the history by cell, with the cells' numbers in the whole mesh
   void visit_history(StateVisitor& visitor, HistoryRows& rows);
-  /// The same of the history for which the tangent matrix was assembled, where it is another one.
-  /// @param own  whether the tangent has the history of the state
-  void visit_tangent_history(StateVisitor& visitor, bool& own, HistoryRows& rows) const;
   /// The same of what only a structure that cracks has.
   void visit_damage(StateVisitor& visitor);
   /// The same of what only a damped structure has.

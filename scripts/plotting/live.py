@@ -9,7 +9,7 @@ from enum import Enum
 from pathlib import Path
 
 from plotting.account import Cuts, Ledger, Steps
-from plotting.lock import MARKER, Owner, owner_of
+from plotting.lock import LOCK, MARKER, Owner, owner_of
 from plotting.results import RESOLVED, SUMMARY, ResultsError, is_completed, object_of
 
 STEPS_SHOWN = 60
@@ -102,6 +102,10 @@ class Run:
                 self.participants[name] = (program, int(pid))
         summary = object_of(self.folder / SUMMARY)
         self.summary = self.summary if summary is None else summary
+
+    def is_there(self) -> bool:
+        """Whether a run has written here, be it its signature alone."""
+        return any((self.folder / name).exists() for name in (MARKER, LOCK, RESOLVED, SUMMARY, *self._tails))
 
     def _read_settings(self) -> None:
         if math.isnan(self.end):

@@ -120,7 +120,15 @@ class WatchTest(ScriptCase):
             self.assertIn("\n".join(lines), shown)
 
     def test_nothing_there(self) -> None:
-        self.assertEqual(self.show()[0], 0)  # a folder that a run has just made
+        for name in ("", "notes.txt"):  # a folder of somebody else
+            if name:
+                self.write(name, "mine")
+            for options in ((), ("--once",)):
+                empty = self.python_script("watch", self.folder, *options)
+                self.assertEqual((empty.returncode, empty.stdout), (2, ""))
+                self.assertIn("nothing of a run here", empty.stderr)
+        self.write_owner()  # a run has just made it
+        self.assertEqual(self.show()[0], 0)
         missing = self.python_script("watch", self.folder / "none", "--once")
         self.assertEqual(missing.returncode, 2)
         self.assertIn("no such results folder", missing.stderr)

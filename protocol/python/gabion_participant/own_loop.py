@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from .errors import ProtocolError
-from .handshake import accepted, loaded, plain, read_state, saved
+from .handshake import accepted, loaded, plain, read_state, saved, start_set
 from .message import Message
 from .solver import STEP_MEAN, AcceptReport, InterfaceValues, StepRequest
 from .state_machine import RequestHandler, unknown
@@ -19,6 +19,7 @@ class OwnLoop(RequestHandler):
 
     def __init__(self) -> None:
         self.output: Callable[[float], None] | None = None
+        self.take_start: Callable[[InterfaceValues], None] | None = None  # None: does not take one
         self.save: Callable[[], bytes] | None = None  # None: does not keep its state
         self.load: Callable[[bytes], None] | None = None
         self.summary: dict[str, Any] = {}
@@ -41,6 +42,14 @@ class OwnLoop(RequestHandler):
     def set_force_kinds(self, kinds: dict[str, str]) -> Message:
         self.force_kinds = kinds
         return Message("force_kinds_set")
+
+    def set_start(self, displacements: InterfaceValues) -> Message:
+        if not self.take_start:
+            raise unknown("set_start", ME)
+        self.take_start(displacements)
+        self.accepted_probes = list(self.probes.values())
+        self.must_write = True  # what the code may have saved began at the reference
+        return start_set(self.accepted_probes)
 
     def unnoticed_means(self) -> list[str]:
         """Interfaces whose forces are means over the step, where the code never asked for that; once."""

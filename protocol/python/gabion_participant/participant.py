@@ -16,7 +16,7 @@ from .errors import ProtocolError, UsageError, text_of
 from .handshake import Introduction, ParticipantSettings, check_interfaces, put_values, solved
 from .message import Message
 from .own_loop import ME, OwnLoop
-from .solver import END_OF_STEP, InterfaceMesh, StepReport, StepRequest
+from .solver import END_OF_STEP, InterfaceMesh, InterfaceValues, StepReport, StepRequest
 from .state_machine import StateMachine
 
 SAME_TIME = 1e-12  # of a step: smaller remainders are round-off of a sum of sub-steps
@@ -43,6 +43,7 @@ class Participant:
     def __init__(self, settings: ParticipantSettings) -> None:
         self._settings = settings
         self._meshes: list[InterfaceMesh] = []
+        self._start: InterfaceValues = {}  # displacements in the initial state [m]
         self._connection: Connection | None = None
         self._loop = OwnLoop()
         self._machine: StateMachine | None = None  # after initialize()
@@ -61,6 +62,33 @@ class Participant:
         """A coupled surface; see InterfaceMesh for shapes and units. Before initialize()."""
         self._before_initialize("set_interface")
         self._meshes.append(InterfaceMesh(name, coordinates, facets, force_kind))
+
+    def set_start_displacement(self, interface: str, values: np.ndarray) -> None:
+        """Of a structure: displacements of an interface in the initial state [m], num_vertices x dim, where it is
+        displaced: in equilibrium with its weight, say. Before initialize(), after set_interface()."""
+        self._before_initialize("set_start_displacement")
+        if self._settings.sends != "displacement":
+            raise UsageError(f"set_start_displacement: found a participant that sends {self._settings.sends}, "
+                             "allowed: one that sends displacement")
+        mesh, array = self._mesh(interface), np.array(values, dtype="<f8")
+        if array.shape != mesh.coordinates.shape:
+            raise UsageError(f'set_start_displacement: found shape {list(array.shape)} for "{interface}", '
+                             f"allowed: {list(mesh.coordinates.shape)}")
+        if not np.isfinite(array).all():
+            raise UsageError(f'set_start_displacement: found NaN or infinity for "{interface}", '
+                             "allowed: finite values")
+        self._start[interface] = array
+
+    def on_set_start(self, take: Callable[[InterfaceValues], None]) -> None:
+        """Of a soil: `take(displacements)` [m, of all interfaces] is told where the structures begin. It is called
+        in initialize(), only where one of them is displaced, not in a restart; it calls set_probes() where they
+        change. What read_data() gives remains total, from the reference. It raises where the soil cannot begin
+        so, which ends the run. Before initialize()."""
+        self._before_initialize("on_set_start")
+        if self._settings.receives != "displacement":
+            raise UsageError(f"on_set_start: found a participant that receives {self._settings.receives}, "
+                             "allowed: one that receives displacement")
+        self._loop.take_start = take
 
     def set_probes(self, values: Mapping[str, float]) -> None:
         """Numbers that the run shall record. Before initialize() in the initial state, later, always with the
@@ -103,7 +131,8 @@ class Participant:
         names = list(self._loop.probes)
         introduction = Introduction(self._meshes, names, self._loop.accepted_probes,
                                     keeps_state=self._loop.save is not None,
-                                    takes_force_kinds=self._settings.receives == "force")
+                                    takes_force_kinds=self._settings.receives == "force",
+                                    start=self._start, takes_start=self._loop.take_start is not None)
         self._guarded(lambda: self._connection.handshake(introduction))
         self._loop.must_write = True
         self._settle()

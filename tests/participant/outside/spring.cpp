@@ -2,16 +2,21 @@
 // A foreign code in C++ that is driven: the spring k u = f (resultant over the wall).
 //
 //     spring_in_cpp tcp://host:port
+#include <common/run/start.hpp>
 #include <protocol/serve.hpp>
 
 #include <cstdio>
 
 namespace {
 
-class Spring : public gabion::Solver {
+class Spring : public gabion::Solver, public gabion::DisplacedAtStart {
  public:
   std::vector<gabion::InterfaceMesh> interfaces() const override {
     return {{"wall", 2, {0.26, 0, 0.26, 0.05, 0.25, 0.05}, 2, {0, 1, 1, 2}}};
+  }
+  gabion::InterfaceValues start_displacements() const override {
+    return {{"wall",
+             {accepted_[0], accepted_[1], accepted_[0], accepted_[1], accepted_[0], accepted_[1]}}};
   }
   std::vector<std::string> probe_names() const override { return {"ux"}; }
   std::vector<double> probes() const override { return {accepted_[0]}; }

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "common/run/progress.hpp"
+#include "common/run/repeated_failure.hpp"
 #include "common/run/results_folder.hpp"
 #include "common/run/run_alone.hpp"
 #include "common/run/run_record.hpp"
@@ -122,6 +123,25 @@ TEST(RunAlone, a_run_that_fails_says_so_and_keeps_the_last_state) {
   EXPECT_EQ(summary["end_time"], 0.4);
   EXPECT_EQ(solver.frames, (std::vector<double>{0, 0.4}));
   EXPECT_EQ(lines(temp / "out/steps.csv").size(), 3u);
+}
+
+TEST(RunAlone, a_step_that_fails_at_any_dt_is_not_cut) {
+  const test::TempFolder temp;
+  ClockSolver solver;
+  solver.on_solve = [](const StepRequest& request) {
+    if (request.step == 2) throw ConvergenceError("too much at once", fails_at_any_dt);
+  };
+  RunRecord record(temp / "out", "fem_solver");
+  test::expect_error<ConvergenceError>(
+      [&] {
+        run_alone(solver, {1, 0.2, 0.01}, 1, record);
+      },
+      {"too much at once"});
+  EXPECT_EQ(solver.rejected, 1);
+  EXPECT_EQ(solver.frames, (std::vector<double>{0, 0.2}));
+  const Json summary = Json::parse(std::ifstream(temp / "out/summary.json"));
+  EXPECT_EQ(summary["reason"], "too much at once");
+  EXPECT_EQ(summary["cuts"], 0);
 }
 
 TEST(RunAlone, ranks_that_do_not_write_touch_nothing) {

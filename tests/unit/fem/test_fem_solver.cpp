@@ -228,5 +228,36 @@ TEST(FemSolver, probe_inside_a_cell) {
   EXPECT_NEAR(probe(*solver, "elastic_energy"), 0.5 * 1e5 * width / height * 1e-4, 1e-10);
 }
 
+/// A load that acts at once is the same at any dt; one that grows is not.
+TEST(FemSolver, statics_that_fail_at_any_dt_say_so) {
+  Json json = {{"dimension", 2},
+               {"mesh", box_2d({4, 1}, {16, 4})},
+               {"material", elastic("neo_hookean", 1e5, 0.3, 1000)},
+               {"analysis", "static"},
+               {"supports", {{{"group", "left"}}}},
+               {"loads", {{{"group", "right"}, {"force", {-60000, 500}}}}},
+               {"newton", {{"max_iterations", 8}}}};
+  const auto cause_of = [](Solver& solver, double dt) -> std::string {
+    InterfaceValues sent;
+    try {
+      solver.solve_step({1, 0, 0, dt}, {}, sent);
+    } catch (const ConvergenceError& error) {
+      solver.reject_step();
+      return error.cause();
+    }
+    return "";
+  };
+  const auto at_once = fem_solver<2>(json);
+  const std::string first = cause_of(*at_once, 0.5);
+  EXPECT_NE(first, "");
+  EXPECT_NE(first, fails_at_any_dt);
+  EXPECT_EQ(cause_of(*at_once, 0.25), fails_at_any_dt);
+  json["loads"][0]["table"] = {{0, 0}, {1, 2}};
+  const auto growing = fem_solver<2>(json);
+  EXPECT_NE(cause_of(*growing, 0.5), "");
+  EXPECT_NE(cause_of(*growing, 0.25), fails_at_any_dt);
+  EXPECT_EQ(cause_of(*growing, 1e-5), "");
+}
+
 }  // namespace
 }  // namespace gabion::test

@@ -171,26 +171,25 @@ TEST(YieldingStructure, rejected_and_repeated_steps_change_no_bit) {
   EXPECT_GT(probe(*straight, "plastic_strain"), 5e-4);
 }
 
-/// A run that starts from a saved state goes on as the one that saved it, and as one that never
-/// saved any, to the bit: modified Newton's matrix is that of an earlier step and its history.
+/// A run that saved its state goes on as the one that starts from it, and as one that never saved,
+/// to the bit.
 TEST(YieldingStructure, restart_gives_the_same_bits) {
   for (const std::string formulation : {"full", "enhanced"}) {
     const TemporaryMesh mesh(two_groups());
     Json json = tower_scene(mesh.path());
     json["materials"][0]["formulation"] = formulation;
-    const auto whole = fem_solver<2>(json);
     const auto run = fem_solver<2>(json), restarted = fem_solver<2>(json);
-    for (int n = 1; n <= 8; ++n) EXPECT_EQ(step(*whole, n, load_of(n)), step(*run, n, load_of(n)));
-    ASSERT_TRUE(run->state().tangent);
-    EXPECT_NE(run->state().tangent->history, run->state().history);
+    const auto straight = fem_solver<2>(json);
+    for (int n = 1; n <= 8; ++n) {
+      EXPECT_EQ(step(*run, n, load_of(n)), step(*straight, n, load_of(n)));
+    }
     restarted->load_state(run->save_state());
     EXPECT_EQ(restarted->probes(), run->probes());
     for (int n = 9; n <= 20; ++n) {
-      const auto displacements = step(*restarted, n, load_of(n));
-      EXPECT_EQ(displacements, step(*run, n, load_of(n)));
-      EXPECT_EQ(displacements, step(*whole, n, load_of(n)));
+      const auto sent = step(*straight, n, load_of(n));
+      EXPECT_EQ(step(*run, n, load_of(n)), sent);
+      EXPECT_EQ(step(*restarted, n, load_of(n)), sent);
     }
-    EXPECT_EQ(*restarted->state().history, *whole->state().history);
     EXPECT_EQ(restarted->save_state().reals, run->save_state().reals);
     EXPECT_GT(probe(*run, "plastic_strain"), 5e-4);
   }

@@ -92,5 +92,28 @@ TEST(FailedSteps, inadmissible_states_name_the_point) {
   expect_parts(text, {"material point ", "would be squeezed below 0.1 of its volume"});
 }
 
+/// Weight that acts at once in a quasi-static phase is the same at any dt.
+TEST(FailedSteps, that_fail_at_any_dt_say_so) {
+  Json json = squeezed(0);
+  json["gravity"] = {0, -10};
+  json["newton"]["max_iterations"] = 1;
+  const auto causes = [&](const Json& scene) {
+    const auto solver = make_mpm(scene);
+    std::vector<std::string> all;
+    for (const double dt : {0.5, 0.25}) {
+      failure_of(*solver, dt, all.emplace_back());
+      solver->reject_step();
+    }
+    return all;
+  };
+  const std::vector<std::string> plain = {"iteration_limit", "iteration_limit"};
+  EXPECT_EQ(causes(json), (std::vector<std::string>{"iteration_limit", fails_at_any_dt}));
+  Json ramp = json;
+  ramp["gravity_ramp"] = {{"duration", 1}};
+  EXPECT_EQ(causes(ramp), plain);
+  json["analysis"] = "dynamic";
+  EXPECT_EQ(causes(json), plain);
+}
+
 }  // namespace
 }  // namespace gabion::test
