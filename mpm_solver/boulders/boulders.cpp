@@ -64,7 +64,8 @@ std::vector<Vector<3>> places(const std::vector<Vector<dim>>& vertices,
 template <int dim>
 Boulders<dim>::Boulders(const BoulderScene<dim>& settings)
     : settings_(settings),
-      contact_(dim, hard_bodies(settings), in_space<dim>(settings.gravity)),
+      contact_(dim, hard_bodies(settings), in_space<dim>(settings.gravity),
+               static_cast<int>(settings.interfaces.size())),
       last_loads_(settings.boulders.size()),
       works_(settings.boulders.size(), 0.0) {
   if (empty()) return;

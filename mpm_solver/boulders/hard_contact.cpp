@@ -10,6 +10,7 @@
 #include "common/base/error.hpp"
 #include "common/base/require.hpp"
 #include "mpm_solver/boulders/hard_contact_parts.hpp"
+#include "mpm_solver/boulders/impact_damping.hpp"
 
 namespace gabion::mpm {
 
@@ -33,8 +34,11 @@ Vector<3> origin_near(const std::vector<BodyState>& states) {
 
 }  // namespace
 
-HardContact::HardContact(int dim, std::vector<HardBody> bodies, const Vector<3>& gravity)
-    : dim_(dim), bodies_(std::move(bodies)), gravity_(gravity) {}
+HardContact::HardContact(int dim, std::vector<HardBody> bodies, const Vector<3>& gravity,
+                         int giving)
+    : dim_(dim), bodies_(std::move(bodies)), gravity_(gravity), giving_(giving) {
+  for (const HardBody& body : bodies_) dampings_.push_back(impact_damping(body.law.restitution));
+}
 
 void HardContact::add_pairs(std::int32_t a, std::int32_t b, const Under& under, double reach,
                             std::vector<Pair>& pairs) const {
@@ -254,13 +258,14 @@ HardContact::Overlap HardContact::deepest_overlap(const std::vector<BodyState>& 
 }
 
 void visit_memories(StateVisitor& visitor, const std::string& name, HardMemories& memories) {
-  constexpr std::size_t width = 14;
+  constexpr std::size_t width = 15;
   std::vector<double> numbers;
   for (const auto& [key, list] : memories) {
     for (const HardMemory& memory : list) {
       for (const std::int32_t k : key) numbers.push_back(k);
       numbers.push_back(memory.gap);
       numbers.push_back(memory.offset);
+      numbers.push_back(memory.closing);
       for (const auto* part : {&memory.normal, &memory.slip, &memory.turn}) {
         numbers.insert(numbers.end(), part->begin(), part->end());
       }
@@ -279,9 +284,10 @@ void visit_memories(StateVisitor& visitor, const std::string& name, HardMemories
     };
     memory.gap = numbers[k + 3];
     memory.offset = numbers[k + 4];
-    memory.normal = at(5);
-    memory.slip = at(8);
-    memory.turn = at(11);
+    memory.closing = numbers[k + 5];
+    memory.normal = at(6);
+    memory.slip = at(9);
+    memory.turn = at(12);
     memories[{static_cast<std::int32_t>(numbers[k]), static_cast<std::int32_t>(numbers[k + 1]),
               static_cast<std::int32_t>(numbers[k + 2])}]
         .push_back(memory);

@@ -48,6 +48,7 @@ struct Obstacle {
 struct HardMemory {
   double gap = 0;     ///< at the end of the last substep; what it stores is not lost or made [m]
   double offset = 0;  ///< <= 0, of that gap: how deep a sphere was when it was first seen there [m]
+  double closing = 0;  ///< largest speed at which a surface that gives was met [m/s]
   Vector<3> normal = Vector<3>::Zero();
   Vector<3> slip = Vector<3>::Zero();  ///< of the tangential spring [m]
   Vector<3> turn = Vector<3>::Zero();  ///< of the rolling spring [rad]
@@ -62,7 +63,10 @@ class HardContact {
  public:
   /// @param dim      2: facets are segments in the plane of the first two coordinates
   /// @param gravity  [m/s^2]
-  HardContact(int dim, std::vector<HardBody> bodies, const Vector<3>& gravity);
+  /// @param giving   the first obstacles that give way to the force on them, as structures do:
+  /// there
+  ///                 it depends smoothly on the motion
+  HardContact(int dim, std::vector<HardBody> bodies, const Vector<3>& gravity, int giving = 0);
 
   struct Start {
     std::vector<BodyState> states = {};
@@ -148,12 +152,17 @@ class HardContact {
                 Sums& sums) const;
   void add_place(const Under& under, const Place& place, Sums& sums) const;
   HardLaw law_of(std::int32_t a, std::int32_t b) const;
+  bool gives(std::int32_t a, std::int32_t b) const;
+  double normal_force(const Under& under, const Place& place, const HardLaw& law,
+                      HardMemory& memory) const;
   double tangential_stiffness(std::int32_t a, std::int32_t b, const HardLaw& law) const;
   std::int32_t num_bodies() const { return static_cast<std::int32_t>(bodies_.size()); }
 
   int dim_;
   std::vector<HardBody> bodies_;
   Vector<3> gravity_;
+  int giving_;
+  std::vector<double> dampings_;  // of each body on what gives
 };
 
 void visit_memories(StateVisitor& visitor, const std::string& name, HardMemories& memories);

@@ -11,7 +11,8 @@ namespace gabion::mpm {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Gap rates below which the factor of the restitution blends from loading to unloading [m/s].
+// Gap rates below which the factor of the restitution blends from loading to unloading, and the
+// least closing speed of what gives [m/s].
 constexpr double blend_speed = 0.02;
 constexpr double usual_gravity = 9.81;
 
@@ -67,14 +68,29 @@ void HardContact::evaluate(const Under& under, const std::vector<Pair>& pairs,
   });
 }
 
+bool HardContact::gives(std::int32_t a, std::int32_t b) const {
+  const std::int32_t obstacle = std::max(a, b) - num_bodies();
+  return obstacle >= 0 && obstacle < giving_;
+}
+
+// On what gives, a damped spring that never pulls; the damping takes energy at any rate.
+double HardContact::normal_force(const Under& under, const Place& place, const HardLaw& law,
+                                 HardMemory& memory) const {
+  const double rate = (place.g1 - place.g0) / under.h;
+  const double elastic = law.stiffness * mean_force(place.g0, place.g1);
+  if (!gives(place.pair.a, place.pair.b))
+    return restitution_factor(law.restitution, rate) * elastic;
+  memory.closing = std::max({memory.closing, under.closing_speed(place), blend_speed});
+  const double damping = dampings_[std::min(place.pair.a, place.pair.b)];
+  return std::max(0.0, 1 - damping / memory.closing * rate) * elastic;
+}
+
 void HardContact::add_place(const Under& under, const Place& place, Sums& sums) const {
   const auto [a, sphere, b, facet] = place.pair;
   const HardLaw law = law_of(a, b);
-  const double rate = (place.g1 - place.g0) / under.h;
-  const double N =
-      restitution_factor(law.restitution, rate) * law.stiffness * mean_force(place.g0, place.g1);
   const Vector<3>& n = place.direction;
   HardMemory memory = place.known;
+  const double N = normal_force(under, place, law, memory);
   if (memory.normal.dot(n) < same_normal) memory.slip = memory.turn = Vector<3>::Zero();
   memory.normal = n;
   // What was deep when it was first seen is so no more when it comes out.
@@ -119,10 +135,11 @@ double HardContact::stored_energy(const HardMemories& memories) const {
   for (const auto& [key, list] : memories) {
     const HardLaw law = law_of(key[0], key[2]);
     const double stiffness = tangential_stiffness(key[0], key[2], law);
+    const double share = gives(key[0], key[2]) ? 1 : kept(law.restitution);
     const double radius = key[0] < num_bodies() ? bodies_[key[0]].sphere : 0;
     for (const HardMemory& memory : list) {
       const double depth = std::max(-memory.gap, 0.0);
-      sum += kept(law.restitution) * law.stiffness * depth * depth * depth / 3;
+      sum += share * law.stiffness * depth * depth * depth / 3;
       sum += 0.5 * stiffness * memory.slip.squaredNorm();
       sum += 0.5 * stiffness * radius * radius * memory.turn.squaredNorm();
     }

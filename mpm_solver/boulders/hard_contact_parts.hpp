@@ -128,6 +128,16 @@ struct HardContact::Under {
     }
     return path;
   }
+  // Velocity at the start of the substep; surfaces move evenly.
+  Vector<3> velocity(std::int32_t c, const Place& place) const {
+    if (!is_body(c)) return path(c, place.x, place) / h;
+    if (step.held[c] != 0) return Vector<3>::Zero();
+    return s0[c].v + s0[c].spin().cross(place.x - s0[c].x);
+  }
+  // Speed at which the gap becomes smaller.
+  double closing_speed(const Place& place) const {
+    return place.direction.dot(velocity(place.pair.b, place) - velocity(place.pair.a, place));
+  }
   Vector<3> relative_motion(const Place& place) const {
     return path(place.pair.a, place.x, place) - path(place.pair.b, place.x, place);
   }

@@ -103,6 +103,13 @@ class GroupContact final : public WholeContact<dim>, public ContactSubsteps<dim>
   void add_stiffness(const ContactNode& contact, const Matrix<dim>& slope,
                      BlockMatrix<dim>& K) const;
   void add_old_forces(double share, std::span<double> field) const;
+  /// Energy in the springs of closed nodes, by direction, and what they remember.
+  struct Springs {
+    std::vector<RememberedNode<dim>> nodes;
+    std::vector<double> pressed;        // of each node [J]
+    double normal = 0, tangential = 0;  // sums [J]
+  };
+  void pay_back(Springs& springs) const;
 
   const BodyGroups& groups_;
   std::int32_t num_places_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a contact between groups of bodies comes to, and its accepted state.
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -86,10 +88,35 @@ double GroupContact<dim>::approach_step(double dt, double margin) const {
   return smallest;
 }
 
+// A substep has its forces where the bodies would be at its end without them. As contact opens they
+// are those of springs that are pressed more than at any time in it, and give more than these lose.
+// What they gave too much in all substeps together is taken from what the springs still store.
+template <int dim>
+void GroupContact<dim>::pay_back(Springs& springs) const {
+  const double before = energy_.stored - stored_slip_;
+  std::array<double, 4> sums = {normal_work_ - (springs.normal - before), springs.normal,
+                                tangential_work_ - (springs.tangential - stored_slip_),
+                                springs.tangential};
+  sum_over_ranks(comm_, std::span<double>(sums));
+  const auto left = [](double taken, double stored) {
+    return taken < 0 && stored > 0 ? std::max(0.0, 1 + taken / stored) : 1.0;
+  };
+  const double gaps = left(sums[0], sums[1]), slips = left(sums[2], sums[3]);
+  if (gaps == 1 && slips == 1) return;
+  for (std::size_t k = 0; k < springs.nodes.size(); ++k) {
+    RememberedNode<dim>& node = springs.nodes[k];
+    node.stored = gaps * springs.pressed[k] + slips * (node.stored - springs.pressed[k]);
+    node.gap *= std::cbrt(gaps);
+    node.slip *= std::sqrt(slips);
+  }
+  springs.normal *= gaps;
+  springs.tangential *= slips;
+}
+
 template <int dim>
 void GroupContact<dim>::accept() {
-  std::vector<RememberedNode<dim>> nodes;
-  double work = 0, stored = 0, stored_slip = 0, slid = 0;
+  Springs springs;
+  double work = 0, slid = 0;
   for (const ContactNode& contact : contacts_) {
     if (contact.gap >= 0) continue;
     const ContactLaw law = law_of(contact);
@@ -105,17 +132,19 @@ void GroupContact<dim>::accept() {
       memory.slip = -pull / (contact.node.area * law.tangential_penalty);
       slid -= pull.dot(contact.slip - memory.slip);
       memory.stored = 0.5 * contact.node.area * law.tangential_penalty * memory.slip.squaredNorm();
-      stored_slip += memory.stored;
+      springs.tangential += memory.stored;
     }
     const double pressed = contact.node.area * law.stored(-contact.gap);
     memory.stored += pressed;
-    stored += pressed;
+    springs.normal += pressed;
+    springs.pressed.push_back(pressed);
     work -= contact.force.dot(contact.path);
-    nodes.push_back(memory);
+    springs.nodes.push_back(memory);
   }
   if (has_substeps_) {
+    pay_back(springs);
     work = normal_work_ + tangential_work_;
-    slid = tangential_work_ - (stored_slip - stored_slip_);
+    slid = tangential_work_ - (springs.tangential - stored_slip_);
   }
   if (!has_substeps_) {
     std::ranges::fill(resultants_, Vector<dim>::Zero());
@@ -123,9 +152,9 @@ void GroupContact<dim>::accept() {
   }
   accepted_ = resultants_;
   sum_over_ranks<dim>(comm_, std::span(accepted_));
-  energy_.add_step(work, stored + stored_slip, slid);
-  stored_slip_ = stored_slip;
-  own_.replace(std::move(nodes));
+  energy_.add_step(work, springs.normal + springs.tangential, slid);
+  stored_slip_ = springs.tangential;
+  own_.replace(std::move(springs.nodes));
 }
 
 template <int dim>

@@ -26,8 +26,55 @@ constexpr double aside_share = 1e-6;
 // normal.
 constexpr double before_cosine = 0.5;
 
+// The place that stands for a side of a node within a wall is this share of the way from the
+// nearest place of the face to the face's middle, so that it is before no other face of a corner.
+constexpr double inward_share = 1e-3;
+
 constexpr std::int32_t unknown = -1;
 constexpr std::int32_t no_face = -2;
+
+// Faces that a sight goes through, from their front and from their back.
+struct Sight {
+  int entered = 0, left = 0;
+  std::int32_t last = no_face;  // that was entered
+
+  bool ends_within() const { return entered > left; }
+  bool is_odd() const { return entered % 2 != 0; }
+};
+
+// Faces of thin walls, some of which a sight may go through.
+template <int dim>
+struct WallFaces {
+  std::span<const std::int32_t> some;
+  std::span<const Simplex<dim>> simplices;
+  std::span<const Vector<dim>> vertices;
+  std::span<const SimplexBounds<dim>> bounds;
+  double tiny;  // distance at which a place is on a face [m]
+};
+
+template <int dim>
+Sight sight(const Vector<dim>& x, const Vector<dim>& y, const WallFaces<dim>& faces) {
+  Sight found;
+  double last_share = -1;
+  for (const std::int32_t s : faces.some) {
+    const Vector<dim>& n = faces.bounds[s].normal;
+    const auto corners = corners_of<dim>(faces.simplices[s], faces.vertices);
+    const double from = (x - corners[0]).dot(n), to = (y - corners[0]).dot(n);
+    const bool enters = from > faces.tiny;
+    if (enters == (to > faces.tiny) || !goes_through(x, y, corners)) continue;
+    if (!enters) {
+      ++found.left;
+      continue;
+    }
+    ++found.entered;
+    const double share = from / (from - to);
+    if (share > last_share) {
+      last_share = share;
+      found.last = s;
+    }
+  }
+  return found;
+}
 
 }  // namespace
 
@@ -101,34 +148,28 @@ std::int32_t SideFields<dim>::face_of(std::int32_t node) {
 }
 
 // Whether a point sees a node through thin walls, so that it is not on the side that the node's
-// face looks to. Walls that were entered and not left again end around the node: then the face that
-// was entered last tells the side. A wall may be left through an end, which is no face.
+// face looks to. Walls that were entered and not left again end around the node: then the sight to
+// a place just before that face tells the side, in corners too, where the faces that were entered
+// look another way than it. A wall may be left through an end, which is no face.
 template <int dim>
 bool SideFields<dim>::is_far_side(const Vector<dim>& x, std::int32_t node,
                                   std::span<const std::int32_t> faces) {
   const Vector<dim> y = grid_.node(node);
-  int entered = 0, left = 0;
-  double last_share = -1;
-  std::int32_t last = no_face;
-  for (const std::int32_t s : faces) {
-    const Vector<dim>& n = bounds_[s].normal;
-    const auto corners = corners_of<dim>(acting_[s], faces_.vertices);
-    const double from = (x - corners[0]).dot(n), to = (y - corners[0]).dot(n);
-    const bool enters = from > tiny_;
-    if (enters == (to > tiny_) || !goes_through(x, y, corners)) continue;
-    if (!enters) {
-      ++left;
-      continue;
-    }
-    ++entered;
-    const double share = from / (from - to);
-    if (share > last_share) {
-      last_share = share;
-      last = s;
-    }
-  }
-  if (entered <= left) return entered % 2 != 0;
-  return bounds_[last].normal.dot(bounds_[face_of(node)].normal) < 0;
+  const auto sight_to = [&](const Vector<dim>& to) {
+    return sight<dim>(x, to, {faces, acting_, faces_.vertices, bounds_, tiny_});
+  };
+  const Sight found = sight_to(y);
+  if (!found.ends_within()) return found.is_odd();
+  const std::int32_t s = face_of(node);
+  const Vector<dim>& n = bounds_[s].normal;
+  const auto corners = corners_of<dim>(acting_[s], faces_.vertices);
+  Vector<dim> middle = Vector<dim>::Zero();
+  for (const Vector<dim>& corner : corners) middle += corner / dim;
+  Vector<dim> before = closest_place<dim>(corners, y).x;
+  before += inward_share * (middle - before) + aside_share * grid_.box->spacing.minCoeff() * n;
+  const Sight again = sight_to(before);
+  if (!again.ends_within()) return again.is_odd();
+  return bounds_[found.last].normal.dot(n) < 0;
 }
 
 template <int dim>

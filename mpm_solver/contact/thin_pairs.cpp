@@ -16,6 +16,11 @@ constexpr double thin_cells = 2;
 // Faces of a wall look away from each other to within 25 degrees, along the way through it.
 constexpr double opposite_cosine = 0.9;
 
+// Where the other face ends in an inner corner of the wall, the way to it may lean by 70 degrees,
+// and be longer by a half than the wall is thick.
+constexpr double inner_corner_cosine = 0.34, inner_corner_reach = 1.5;
+constexpr double same_place = 1e-6;  // share of two cells
+
 /// A box around the normals of some faces.
 template <int dim>
 struct NormalBox {
@@ -48,6 +53,18 @@ std::vector<std::int32_t> possible_fronts(const Faces<dim>& faces) {
     }
   }
   return fronts;
+}
+
+// Whether a face ends at a place in a corner with another one, which is before it.
+template <int dim>
+bool ends_in_corner(const Faces<dim>& faces, std::int32_t face, const Vector<dim>& place,
+                    std::span<const std::int32_t> others, double tiny) {
+  const Vector<dim>& normal = faces.bounds[face].normal;
+  return std::ranges::any_of(others, [&](std::int32_t u) {
+    const SimplexBounds<dim>& other = faces.bounds[u];
+    if ((other.centre - place).dot(normal) <= tiny || other.is_beyond(place, tiny)) return false;
+    return (faces.closest(u, place) - place).norm() <= tiny;
+  });
 }
 
 }  // namespace
@@ -85,18 +102,23 @@ std::vector<FacePair> thin_pairs(const Faces<dim>& faces, double cell_size) {
   const auto fronts = possible_fronts(faces);
   std::vector<Vector<dim>> places;
   for (const std::int32_t s : fronts) places.push_back(faces.bounds[s].centre);
-  const FacetHash<dim> hash(faces.simplices, faces.vertices, limit, places);
+  const FacetHash<dim> hash(faces.simplices, faces.vertices, inner_corner_reach * limit, places);
   std::vector<FacePair> pairs;
   for (const std::int32_t s : fronts) {
     const SimplexBounds<dim>& front = faces.bounds[s];
-    for (const std::int32_t t : hash.near(front.centre)) {
+    const auto near = hash.near(front.centre);
+    for (const std::int32_t t : near) {
       const SimplexBounds<dim>& back = faces.bounds[t];
       if (front.normal.dot(back.normal) > -opposite_cosine) continue;
-      if (back.is_beyond(front.centre, limit)) continue;
-      const Vector<dim> through = front.centre - faces.closest(t, front.centre);
-      const double thickness = through.norm();
-      const bool behind = through.dot(front.normal) >= opposite_cosine * thickness;
-      if (behind && thickness < (1 - 1e-6) * limit) pairs.push_back({s, t, thickness});
+      if (back.is_beyond(front.centre, inner_corner_reach * limit)) continue;
+      const Vector<dim> place = faces.closest(t, front.centre), through = front.centre - place;
+      const double distance = through.norm(), thickness = through.dot(front.normal);
+      const bool behind = thickness >= opposite_cosine * distance;
+      if (behind && distance < (1 - same_place) * limit) pairs.push_back({s, t, distance});
+      if (behind || thickness < inner_corner_cosine * distance) continue;
+      if (thickness >= (1 - same_place) * limit) continue;
+      if (ends_in_corner<dim>(faces, t, place, near, same_place * limit))
+        pairs.push_back({s, t, thickness});
     }
   }
   return pairs;

@@ -91,6 +91,71 @@ TEST(SideFields, implicit_steps_and_averaged_volumes) {
   }
 }
 
+/// Impulses to 0.02 s on the outer and the inner faces of a wall with a corner, as an angle wall
+/// has, whose ends are far. Soil comes to the inner corner, and to both outer faces.
+/// @param outer, inner  share of the speed of the soil there, 0: none is there
+std::array<Vector<2>, 2> impulses_at_corner(const ThinWall& given, double outer, double inner) {
+  const double x = 0.8 + given.offset * h, y = 0.7 + given.offset * h, t = given.thickness * h;
+  const Json material = elastic_soil("neo_hookean", 1e6, 0.3, 1500);
+  const auto face = [](const std::string& name, const Json& line) {
+    return Json{
+        {"name", name}, {"method", "facets"}, {"surface", {{"polyline", line}, {"spacing", h}}}};
+  };
+  Json json = {{"dimension", 2},
+               {"grid", box({0, 0}, {1.6, 1.6}, {16, 16}, "quad4")},
+               {"basis", given.basis},
+               {"time_integration", {{"scheme", "explicit"}}},
+               {"rigid_walls",
+                {face("outer", {{x, 1.7}, {x, y}, {1.7, y}}),
+                 face("inner", {{1.7, y + t}, {x + t, y + t}, {x + t, 1.7}})}},
+               {"bodies", Json::array()}};
+  const auto add = [&](const std::string& name, double left, double low, Vector<2> v) {
+    json["bodies"].push_back(body(name, box({left, low}, {left + 0.4, low + 0.4}, {4, 4}, "quad4"),
+                                  4, material, {v[0], v[1]}));
+  };
+  if (outer > 0) {
+    add("beside", x - 0.4, y, {3 * outer, 0});
+    add("below", x, y - 0.4, {0, 2 * outer});
+  }
+  if (inner > 0) add("within", x + t, y + t, {-inner, -2 * inner});
+  const auto solver = make_mpm(json);
+  std::array<Vector<2>, 2> sum{Vector<2>::Zero(), Vector<2>::Zero()};
+  for (int n = 1; n <= std::lround(0.02 / given.dt); ++n) {
+    run_steps(*solver, given.dt, 1, n);
+    for (int k = 0; k < 2; ++k) {
+      const std::string name = k == 0 ? "outer" : "inner";
+      sum[k] += given.dt * Vector<2>(probe(*solver, name + ".fx"), probe(*solver, name + ".fy"));
+    }
+  }
+  return sum;
+}
+
+/// What each side feels is what it feels if the other one is slower by 40 %, and nearly what it
+/// feels alone.
+TEST(SideFields, sides_of_a_corner_do_not_act_on_each_other) {
+  for (const char* basis : {"linear", "gimp", "bspline"}) {
+    for (const double thickness : {0.0, 0.5, 1.0}) {
+      for (const double offset : {0.0, 0.25}) {
+        const ThinWall given = {.basis = basis, .thickness = thickness, .offset = offset};
+        const auto both = impulses_at_corner(given, 1, 1);
+        const Vector<2> outer = impulses_at_corner(given, 1, 0.6)[0];
+        const Vector<2> inner = impulses_at_corner(given, 0.6, 1)[1];
+        const Vector<2> alone = impulses_at_corner(given, 0, 1)[1];
+        const auto where = testing::Message()
+                           << basis << ", thickness " << thickness << ", offset " << offset << ": "
+                           << both[0].transpose() << " for " << outer.transpose() << ", "
+                           << both[1].transpose() << " for " << inner.transpose();
+        EXPECT_GT(outer.minCoeff(), 1) << where;
+        EXPECT_LT(inner.maxCoeff(), -1) << where;
+        const double bound = thickness == 0 ? 1e-9 : 0.005;
+        EXPECT_LT((both[0] - outer).norm(), bound * outer.norm()) << where;
+        EXPECT_LT((both[1] - inner).norm(), bound * inner.norm()) << where;
+        EXPECT_LT((both[1] - alone).norm(), 0.03 * alone.norm()) << where;
+      }
+    }
+  }
+}
+
 /// Impulse in z on the lower and the upper face of a plate in space, of half a cell.
 double impulse_in_space(const std::string& basis, bool with_lower, bool with_upper) {
   const Json material = elastic_soil("neo_hookean", 1e6, 0.3, 1500);
