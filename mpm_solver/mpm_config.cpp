@@ -190,8 +190,7 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
     }
     if (auto average = item.optional_object("softening_average")) {
       settings.softening_averages.resize(items.size());
-      settings.softening_averages[b] =
-          read_softening_average<dim>(std::move(*average), body.material.law);
+      settings.softening_averages[b] = read_softening_average<dim>(*average, body.material.law);
     }
     item.finish();
     settings.bodies.push_back(std::move(body));
