@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Over-nonlocal softening of a layer that is sheared, on several grids and on grids turned by 20
-// degrees against it.
+// degrees against it. The layer is long: near its ends the stress is not even.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace gabion::test {
 namespace {
 
 constexpr double G = 3e6, peak = 40e3, loss = 20e3, loss_slip = 0.02;  // [Pa], [m]
-constexpr double length = 0.1, height = 1, width = 2;                  // l, of the layer [m]
+constexpr double length = 0.1, height = 1, width = 8;                  // l, of the layer [m]
 
 struct Layer {
   double h;      ///< of the cells [m]
@@ -106,7 +106,7 @@ struct Band {
 Band shear(const Layer& layer) {
   const double speed = peak / G * height + 0.006;  // in one second
   const double elastic = 0.97 * peak / G * height / speed;
-  const int steps = 120;
+  const int steps = 80;
   const TemporaryScene folder("mpm.json", scene_of(layer, speed));
   const Scene scene(folder.path(), {});
   ConfigReader in = scene.reader("mpm.json", mpm::mpm_keys());
@@ -171,9 +171,15 @@ void check(const Layer& layer, double width_bound) {
 }
 
 TEST(VA3_NonlocalLayer, has_slope_and_width_of_its_own) {
-  for (const double h : {1.0 / 15, 0.05, 1.0 / 30}) check({h, 0}, 0.05);
+  for (const double h : {1.0 / 15, 0.05, 0.04}) check({h, 0}, 0.05);
+}
+
+TEST(VA3_NonlocalLayer, has_them_on_turned_grids) {
+  for (const double h : {1.0 / 15, 0.05, 0.04}) check({h, 20 * M_PI / 180}, 0.05);
+}
+
+TEST(VA3_NonlocalLayer, follows_the_weight) {
   check({0.05, 0, 1.5}, 0.05);
-  for (const double h : {1.0 / 15, 0.05, 1.0 / 30}) check({h, 20 * M_PI / 180}, 0.05);
 }
 
 }  // namespace
