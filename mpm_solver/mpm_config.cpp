@@ -331,7 +331,6 @@ void require_on_raster(const ConfigReader& in, const std::vector<Phase>& phases,
                     phases[k].until, time.dt));
   }
 }
-
 }  // namespace
 
 template <int dim>
