@@ -146,8 +146,8 @@ TEST(VW8_UndrainedWave, along_a_bar) {
   for (const double K_w : {2.2e9, 0.22e9}) {
     expect_wave({K_w, false, true});
     expect_wave({K_w, true, false});
-    expect_wave({K_w, true, true});
   }
+  expect_wave({0.22e9, true, true});
 }
 
 }  // namespace
