@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/points/retention.hpp"
 
 namespace gabion::mpm {
 
@@ -99,6 +100,19 @@ void check_start(const ConfigReader& in, const MpmSettings<dim>& settings, std::
                         "water table",
                         table, settings.bodies[other].name, *own->water_table));
   }
+}
+
+// Between full pores and those that air has entered the pressure has to be seen by the cells.
+template <int dim>
+void check_suction(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
+  const PoreWater& water = *settings.bodies[b].water;
+  const double of_half_cell =
+      0.5 * water.density * settings.gravity.norm() * settings.grid.box->spacing.minCoeff();
+  if (!gives_way(water) || water.cavitation >= of_half_cell) return;
+  in.fail(fmt::format("bodies/{}/water/suction_limit", b),
+          fmt::format("found {:g}, allowed: at least {:.4g} Pa, that of half a cell of the grid; "
+                      "smaller cells, or a limit that they see",
+                      water.cavitation, of_half_cell));
 }
 
 // Its matrix is indefinite: none of the iterative methods solves it.
@@ -208,6 +222,7 @@ void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings) {
     check_layout(in, settings, b);
     check_cells(in, settings, b);
     check_start(in, settings, b);
+    check_suction(in, settings, b);
     check_density(in, settings, *first, b);
   }
   check_surfaces(settings);

@@ -33,6 +33,7 @@ class SeepageStep final : public ImplicitStep<dim> {
   std::vector<double> first_displacement();
   DrainedNodes drained_nodes() const;
   void open_surface();
+  NewtonReport solve(const NewtonSettings& settings);
   Vector<dim> rain_at(double time) const;
 
   StressParts<dim> stress_parts() const;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/require.hpp"
+#include "mpm_solver/points/retention.hpp"
 #include "mpm_solver/stress/seepage_group.hpp"
 
 namespace gabion::mpm {
@@ -43,7 +44,7 @@ SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageSt
     groups_.push_back(static_cast<std::int32_t>(g));
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
-      p_n_[e] = water->at(parts_.points.water[p], parts_.points.J[p]).p;
+      p_n_[e] = water_pressure(*water, parts_.points.water[p], parts_.points.J[p]);
     }
   }
   if (!step_.pools.empty()) list_pool_pressures();
@@ -90,7 +91,12 @@ double SeepageForces<dim>::stabilisation(std::int32_t body) const {
   double least = 1;
   const auto& points = parts_.points;
   for (std::int32_t p = points.body_starts[body]; p < points.body_starts[body + 1]; ++p) {
-    least = std::min(least, soil.water->mobility_ratio(points.J[p]));
+    double ratio = soil.water->mobility_ratio(points.J[p]);
+    if (gives_way(*soil.water)) {
+      const double pressure = water_pressure(*soil.water, points.water[p], points.J[p]);
+      ratio *= retention_at(*soil.water, pressure).mobility;
+    }
+    least = std::min(least, ratio);
   }
   least = -parts_.nodes.shared.largest(-least);
   const double drained = 4 * soil.water->mobility() * least * M * step_.dt / (h * h);
@@ -146,6 +152,33 @@ void SeepageForces<dim>::gather(const CellGroup& group, const Trial& trial, Grou
   }
 }
 
+// What the water of a point does at its pressure. Mobility and held_slope are left to be scaled.
+template <int dim>
+void SeepageForces<dim>::bear(const PoreWater& water, Work& point) {
+  const double K_w = water.bulk_modulus;
+  point.density = retention_at(water, point.p_n).filled;
+  if (!gives_way(water)) {
+    point.borne = point.p;
+    point.borne_n = point.p_n;
+    const double strain = (point.p - point.p_n) / K_w;
+    point.borne_slope = point.kappa = 1;
+    point.kappa_by_p = 0;
+    point.change = std::expm1(strain);
+    point.grown = std::exp(strain);
+    point.held_slope = point.density * point.grown / K_w;
+    return;
+  }
+  const Retention now = retention_at(water, point.p);
+  point.borne = now.borne;
+  point.borne_n = retention_at(water, point.p_n).borne;
+  point.borne_slope = now.borne_slope;
+  point.kappa = now.mobility;
+  point.kappa_by_p = now.mobility_slope / now.mobility;
+  point.grown = now.filled / point.density;
+  point.change = (now.filled - point.density) / point.density;
+  point.held_slope = now.filled_slope;
+}
+
 // Points of a group and their sums.
 template <int dim>
 bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoint& worst) const {
@@ -153,7 +186,9 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
   const PoreWater& water = *parts_.bodies[group.body].water;
   work.points.resize(group.last - group.first);
   work.V = work.Vj = work.pV = work.p_nV = work.p_poolV = work.density = 0;
+  work.borneV = work.borne_nV = 0;
   std::fill_n(work.N.begin(), group.num_nodes, 0.0);
+  std::fill_n(work.borne_N.begin(), group.num_nodes, 0.0);
   std::fill_n(work.change.begin(), group.num_nodes, Vector<dim>::Zero());
   for (std::int32_t e = group.first; e < group.last; ++e) {
     Work& point = work.points[e - group.first];
@@ -173,7 +208,6 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
     point.p = at_rest(group.body, parts_.points.x[p]);
     point.p_n = p_n_[e];
     if (!p_pool_.empty()) point.p_pool = p_pool_[e], point.p_pool_slope = p_pool_slope_[e];
-    point.density = std::exp(point.p_n / water.bulk_modulus);
     point.grad_p = G * weight;
     for (int i = 0; i < weights.num_nodes(e); ++i) {
       const int k = weights.local_of(e)[i];
@@ -183,15 +217,33 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
       work.N[k] += point.V * weights.N_of(e)[i];
       work.change[k] += point.V * point.j * point.g[i];
     }
+    bear(water, point);
+    for (int i = 0; i < weights.num_nodes(e); ++i) {
+      work.borne_N[weights.local_of(e)[i]] += point.V * point.borne_slope * weights.N_of(e)[i];
+    }
     work.V += point.V;
     work.Vj += point.V * point.j;
     work.pV += point.V * point.p;
     work.p_nV += point.V * point.p_n;
     work.p_poolV += point.V * point.p_pool;
+    work.borneV += point.V * point.borne;
+    work.borne_nV += point.V * point.borne_n;
     work.density += point.V * point.density;
   }
   work.density /= work.V;
-  for (int k = 0; k < group.num_nodes; ++k) work.N[k] /= work.V;
+  for (int k = 0; k < group.num_nodes; ++k) {
+    work.N[k] /= work.V;
+    work.borne_N[k] /= work.V;
+  }
+  return fill_pores(group, work, worst);
+}
+
+// Pores of the points, and what flows through them.
+template <int dim>
+bool SeepageForces<dim>::fill_pores(const CellGroup& group, Group& work,
+                                    RefusedPoint& worst) const {
+  const auto& weights = parts_.weights;
+  const PoreWater& water = *parts_.bodies[group.body].water;
   for (Work& point : work.points) {
     const std::int32_t p = weights.point[point.entry];
     const double J = parts_.points.J[p] * (step_.averages ? work.Vj / work.V : point.j);
@@ -200,7 +252,8 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
       return false;
     }
     point.m = water.pores(J);
-    point.kappa = water.mobility() * water.mobility_ratio(J);
+    point.kappa *= water.mobility() * water.mobility_ratio(J);
+    point.held_slope *= point.V0 * point.m;
     point.kappa_slope = water.mobility_slope(J);
     point.w = point.kappa * (water.density * step_.gravity - point.grad_p);
   }
@@ -252,8 +305,7 @@ void SeepageForces<dim>::add_volumes(const CellGroup& group, Group& work) {
   double unstable = 0;
   for (const Work& point : work.points) {
     const double squeezed = point.density * point.V * (point.j - 1);
-    const double stored =
-        point.density * point.V0 * point.m * std::expm1((point.p - point.p_n) / water.bulk_modulus);
+    const double stored = point.density * point.V0 * point.m * point.change;
     const double jump = (point.p - work.pV / work.V) - (point.p_n - work.p_nV / work.V);
     const double stable = point.V * tau * jump;
     unstable += stable;
@@ -330,8 +382,8 @@ void SeepageForces<dim>::find_start_forces() {
     const CellGroup& group = parts_.weights.groups[g];
     gather(group, {.du = still, .q = none}, work);
     require(sum_up(group, work, worst), "mpm_solver: pores of the accepted state are closed");
-    work.pV = work.p_nV;
-    for (Work& point : work.points) point.p = point.p_n;
+    work.borneV = work.borne_nV;
+    for (Work& point : work.points) point.borne = point.borne_n;
     add_forces(group, work);
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the points get of a solution with pore water that drains.
+#include "mpm_solver/points/retention.hpp"
 #include "mpm_solver/stress/seepage_forces.hpp"
 
 namespace gabion::mpm {
@@ -17,10 +18,11 @@ double SeepageForces<dim>::finish(std::span<const double> du) {
     const PoreWater& water = *parts_.bodies[group.body].water;
     parts_.nodes.gather(parts_.weights.nodes_of(group), du, moves.data());
     for (std::int32_t e = group.first; e < group.last; ++e) {
-      trial.pore_tau[e] = J_[e] * p_[e];
+      trial.pore_tau[e] = J_[e] * retention_at(water, p_[e]).borne;
       trial.tau[e].template head<3>().array() -= trial.pore_tau[e];
       const std::int32_t p = parts_.weights.point[e];
-      lost -= 0.5 * parts_.weights.volume[e] * parts_.points.J[p] * p_n_[e] *
+      lost -= 0.5 * parts_.weights.volume[e] * parts_.points.J[p] *
+              retention_at(water, p_n_[e]).borne *
               displacement_gradient<dim>(parts_.weights, e, moves.data()).trace();
       const double before = water.at(parts_.points.water[p], parts_.points.J[p]).energy;
       const double after = water.at(water.content_at(p_[e], J_[e]), J_[e]).energy;
