@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tests/support/verification_row.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
@@ -184,6 +185,64 @@ TEST(VW26_DamBreak, front_of_a_column) {
             .exact = place,
             .computed = (front(*solver) - W) / H,
             .bound = 0.05});
+  }
+}
+
+/// Fluid between plates, one of which begins to move: at T = nu t / h^2 its speed is
+///
+///     u / U = y / h + sum_n 2 (-1)^n / (n pi) sin(n pi y / h) exp(-n^2 pi^2 T)
+///
+/// The ends are free and far off. Points beside the plate keep some of the jump at the start.
+TEST(VW28_Couette, fluid_that_a_plate_takes_along) {
+  constexpr double h = 0.1, U = 0.01, nu = 1e-3, dt = 0.01, length = 0.6;
+  Json json = scene({.length = length,
+                     .depth = h,
+                     .cell = h / 10,
+                     .sound_speed = 1,
+                     .viscosity = nu * rho,
+                     .room_x = length + 0.2,
+                     .room_y = h,
+                     .bottom = "fixed",
+                     .weight = false});
+  json["bodies"][0]["mesh"] = box({0.1, 0}, {0.1 + length, h}, {60, 10}, "quad4");
+  json["bodies"][0]["material"]["cavitation_pressure"] = 1e6;
+  json["time_integration"] = {{"scheme", "bossak"}};
+  json.erase("step_control");
+  json["walls"].push_back(wall("top", "fixed"));
+  json["walls"][1]["motion"] = {{"table", {{0, 0, 0}, {10, 10 * U, 0}}}};
+  const auto solver = mpm_solver<2>(json);
+  int done = 0;
+  for (const double T : {0.1, 0.2}) {
+    const int end = static_cast<int>(std::lround(T * h * h / nu / dt));
+    run_steps(*solver, dt, end - done, done + 1);
+    done = end;
+    double error = 0;
+    for (const double at : {0.25, 0.5, 0.75}) {
+      double off = 0;
+      int count = 0;
+      for (std::int32_t p = 0; p < solver->points().size(); ++p) {
+        const Vector<2>& x = solver->points().x[p];
+        if (std::abs(x[0] - 0.1 - length / 2) > 0.5 * h || std::abs(x[1] - at * h) > h / 20)
+          continue;
+        double exact = x[1] / h;
+        for (int n = 1; n < 50; ++n) {
+          const double k = n * std::numbers::pi;
+          exact += 2 * (n % 2 == 0 ? 1 : -1) / k * std::sin(k * x[1] / h) * std::exp(-k * k * T);
+        }
+        off += solver->points().v[p][0] / U - exact;
+        ++count;
+      }
+      error = std::max(error, std::abs(off / count));
+    }
+    verify(
+        {.id = "VW28",
+         .what = fmt::format("N1, Couette, 10 cells, T = {}: largest error of the speed at y / h = "
+                             "0.25, 0.5, 0.75 over that of the plate",
+                             T),
+         .exact = 0,
+         .computed = error,
+         .measure = Measure::absolute_error,
+         .bound = 0.01});
   }
 }
 
