@@ -152,33 +152,6 @@ void SeepageForces<dim>::gather(const CellGroup& group, const Trial& trial, Grou
   }
 }
 
-// What the water of a point does at its pressure. Mobility and held_slope are left to be scaled.
-template <int dim>
-void SeepageForces<dim>::bear(const PoreWater& water, Work& point) {
-  const double K_w = water.bulk_modulus;
-  point.density = retention_at(water, point.p_n).filled;
-  if (!gives_way(water)) {
-    point.borne = point.p;
-    point.borne_n = point.p_n;
-    const double strain = (point.p - point.p_n) / K_w;
-    point.borne_slope = point.kappa = 1;
-    point.kappa_by_p = 0;
-    point.change = std::expm1(strain);
-    point.grown = std::exp(strain);
-    point.held_slope = point.density * point.grown / K_w;
-    return;
-  }
-  const Retention now = retention_at(water, point.p);
-  point.borne = now.borne;
-  point.borne_n = retention_at(water, point.p_n).borne;
-  point.borne_slope = now.borne_slope;
-  point.kappa = now.mobility;
-  point.kappa_by_p = now.mobility_slope / now.mobility;
-  point.grown = now.filled / point.density;
-  point.change = (now.filled - point.density) / point.density;
-  point.held_slope = now.filled_slope;
-}
-
 // Points of a group and their sums.
 template <int dim>
 bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoint& worst) const {
@@ -253,7 +226,11 @@ bool SeepageForces<dim>::fill_pores(const CellGroup& group, Group& work,
     }
     point.m = water.pores(J);
     point.kappa *= water.mobility() * water.mobility_ratio(J);
-    point.held_slope *= point.V0 * point.m;
+    if (gives_way(water)) {
+      point.held_slope *= point.V0 * point.m;
+    } else {
+      point.held_slope = point.density * point.V0 * point.m * point.grown / water.bulk_modulus;
+    }
     point.kappa_slope = water.mobility_slope(J);
     point.w = point.kappa * (water.density * step_.gravity - point.grad_p);
   }
