@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "mpm_solver/grid/basis.hpp"
+#include "mpm_solver/points/retention.hpp"
 
 namespace gabion::mpm {
 
@@ -101,6 +102,19 @@ void check_start(const ConfigReader& in, const MpmSettings<dim>& settings, std::
   }
 }
 
+// Between full pores and those that air has entered the pressure has to be seen by the cells.
+template <int dim>
+void check_suction(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
+  const PoreWater& water = *settings.bodies[b].water;
+  const double of_half_cell =
+      0.5 * water.density * settings.gravity.norm() * settings.grid.box->spacing.minCoeff();
+  if (!gives_way(water) || water.cavitation >= of_half_cell) return;
+  in.fail(fmt::format("bodies/{}/water/suction_limit", b),
+          fmt::format("found {:g}, allowed: at least {:.4g} Pa, that of half a cell of the grid; "
+                      "smaller cells, or a limit that they see",
+                      water.cavitation, of_half_cell));
+}
+
 // Its matrix is indefinite: none of the iterative methods solves it.
 template <int dim>
 void check_linear_solver(const ConfigReader& in, const MpmSettings<dim>& settings) {
@@ -130,6 +144,12 @@ void check_explicit(const ConfigReader& in, const MpmSettings<dim>& settings) {
       "found with \"permeability\" and explicit steps, allowed: implicit steps";
   if (!settings.pools.empty()) in.fail("pools", found);
   if (settings.rain) in.fail("rain", found);
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    const auto& water = settings.bodies[b].water;
+    if (water && gives_way(*water)) {
+      in.fail(fmt::format("bodies/{}/water/suction_limit", b), found);
+    }
+  }
 }
 
 void check_phases(const ConfigReader& in, const std::vector<Phase>& phases, std::size_t first) {
@@ -213,6 +233,7 @@ void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings) {
     check_layout(in, settings, b);
     check_cells(in, settings, b);
     check_start(in, settings, b);
+    check_suction(in, settings, b);
     check_density(in, settings, *first, b);
   }
   check_surfaces(settings);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/log.hpp"
+#include "mpm_solver/points/retention.hpp"
 
 namespace gabion::mpm {
 
@@ -61,11 +62,14 @@ void check_grains(ConfigReader& in, const PoreWater& water, double saturated_den
 }  // namespace
 
 double PoreWater::content_at(double p, double J) const {
-  return pores(J) * std::exp(p / bulk_modulus);
+  return pores(J) * retention_at(*this, p).filled;
 }
 
 PorePressure PoreWater::at(double content, double J) const {
   const double m = pores(J);
+  if (content < m && gives_way(*this)) {
+    return {retention_at(*this, water_pressure(*this, content, J)).borne, 0, 0};
+  }
   const double opened = (m - content) / content;
   const double p = -bulk_modulus * std::log1p(opened);
   const auto energy_of = [&](double x) {
@@ -141,20 +145,29 @@ KeyTable body_water_keys() {
                   "none gets in. Soil under another body, at walls and surfaces ends nowhere.")
           .or_else("seepage_face")
           .with("permeability"));
+  table.keys.push_back(
+      key::number(
+          "suction_limit", "Pa",
+          "Suction that the grains feel at most, p_cav: under the suction s air enters, a "
+          "share (1 + (s / p_cav)^2)^(-1/2) of the pores stays full, and lets water through "
+          "by its cube; rho_w g times the height to which the soil draws water up, and no "
+          "less than that of a cell. None: pores stay full under any suction.")
+          .in(positive())
+          .or_none()
+          .with("permeability"));
   return table;
 }
 
 namespace {
 
-// Water that drains bears any suction.
+// Water that drains bears any suction unless it is told how much.
 PoreWater read_water(ConfigReader in, double saturated_density, double skeleton_modulus,
                      std::optional<double> permeability, PoreWater water = {}) {
   water.porosity = in.number("porosity");
   water.bulk_modulus = in.number("bulk_modulus");
   water.density = in.number("density");
   water.permeability = permeability.value_or(0);
-  water.cavitation =
-      permeability ? std::numeric_limits<double>::infinity() : in.number("cavitation_pressure");
+  if (!permeability) water.cavitation = in.number("cavitation_pressure");
   check_grains(in, water, saturated_density);
   warn_of_soft_water(in, water, skeleton_modulus);
   in.finish();
@@ -165,17 +178,20 @@ PoreWater read_water(ConfigReader in, double saturated_density, double skeleton_
 
 PoreWater read_body_water(ConfigReader in, double saturated_density, double skeleton_modulus) {
   const std::optional<double> permeability = in.optional_number("permeability");
+  PoreWater water;
+  constexpr double inf = std::numeric_limits<double>::infinity();
   if (permeability && in.has("cavitation_pressure")) {
     in.fail("cavitation_pressure",
-            "allowed only without \"permeability\": water that drains bears any suction");
+            "allowed only without \"permeability\": water that drains bears any suction, or less "
+            "than \"suction_limit\"");
   }
-  PoreWater water;
-  for (const char* key : {"permeability_law", "free_surface"}) {
+  for (const char* key : {"permeability_law", "free_surface", "suction_limit"}) {
     if (!permeability && in.has(key)) {
       in.fail(key, "allowed only with \"permeability\": other water does not drain");
     }
   }
   if (permeability) {
+    water.cavitation = in.optional_number("suction_limit").value_or(inf);
     water.kozeny_carman = in.choice("permeability_law") == "kozeny_carman";
     water.seepage_face = in.choice("free_surface") == "seepage_face";
   }

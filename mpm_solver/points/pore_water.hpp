@@ -78,7 +78,7 @@ KeyTable body_water_keys();
 /// @param skeleton_modulus   of P waves [Pa]
 /// @throws ConfigError
 PoreWater read_pore_water(ConfigReader in, double saturated_density, double skeleton_modulus);
-/// The same with "permeability". Water that drains bears any suction.
+/// The same with "permeability". Water that drains bears any suction, or see gives_way().
 PoreWater read_body_water(ConfigReader in, double saturated_density, double skeleton_modulus);
 
 }  // namespace gabion::mpm

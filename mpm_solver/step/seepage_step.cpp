@@ -16,8 +16,8 @@ namespace {
 // small beside them would let slow seepage stand still.
 constexpr double water_tolerance = 1e-9;
 
-// Solutions of a step with other places that take all of the rain: mostly one or two.
-constexpr int most_changes_of_rain = 20;
+// Solutions of a step with other places where rain runs off or water leaves: mostly one or two.
+constexpr int most_changes_of_outlets = 20;
 
 // The matrix is indefinite: no Krylov method with the preconditioners at hand solves it.
 LinearSolverSettings direct(LinearSolverSettings settings) {
@@ -124,18 +124,35 @@ NewtonReport SeepageStep<dim>::iterate(bool first, const NewtonSettings& setting
   this->equilibrium_->begin_solution();
   NewtonSettings tight = settings;
   tight.residual_tolerance = std::min(settings.residual_tolerance, water_tolerance);
-  NewtonMatrix<dim + 1> matrix{*K_, solver_};
-  NewtonReport report = solve_newton<dim + 1>(*balance_, matrix, tight, x_, this->parts_.times);
-  for (int k = 0; water_->update_rain(); ++k) {
-    if (k == most_changes_of_rain) {
-      throw ConvergenceError(
-          fmt::format("places that take all of the rain change after {} solutions", k));
-    }
-    const int iterations = report.iterations;
-    report = solve_newton<dim + 1>(*balance_, matrix, tight, x_, this->parts_.times);
-    report.iterations += iterations;
+  const std::vector<double> start = x_;
+  NewtonReport report;
+  try {
+    report = solve(tight);
+  } catch (const ConvergenceError&) {
+    if (with_seepage_face_.empty()) throw;
+    // Newton's method may have crept over the kink of outlets that open.
+    water_->hold_outlets();
+    x_ = start;
+    report = solve(tight);
   }
   this->du_ = balance_->displacement(x_);
+  return report;
+}
+
+// With one set of places after the other where rain runs off or water leaves, until it stays.
+template <int dim>
+NewtonReport SeepageStep<dim>::solve(const NewtonSettings& settings) {
+  NewtonMatrix<dim + 1> matrix{*K_, solver_};
+  NewtonReport report = solve_newton<dim + 1>(*balance_, matrix, settings, x_, this->parts_.times);
+  for (int k = 0; water_->update_outlets(); ++k) {
+    if (k == most_changes_of_outlets) {
+      throw ConvergenceError(
+          fmt::format("places where rain runs off or water leaves change after {} solutions", k));
+    }
+    const int iterations = report.iterations;
+    report = solve_newton<dim + 1>(*balance_, matrix, settings, x_, this->parts_.times);
+    report.iterations += iterations;
+  }
   return report;
 }
 

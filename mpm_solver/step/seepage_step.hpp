@@ -31,6 +31,7 @@ class SeepageStep final : public ImplicitStep<dim> {
   NewtonReport iterate(bool first, const NewtonSettings& settings) override;
   void make_water(const StepStart& start, double time, const Vector<dim>& gravity);
   std::vector<double> first_displacement();
+  NewtonReport solve(const NewtonSettings& settings);
   Vector<dim> rain_at(double time) const;
 
   StressParts<dim> stress_parts() const;

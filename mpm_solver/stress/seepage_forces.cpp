@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/base/require.hpp"
+#include "mpm_solver/points/retention.hpp"
 #include "mpm_solver/stress/seepage_group.hpp"
 
 namespace gabion::mpm {
@@ -43,7 +44,7 @@ SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageSt
     groups_.push_back(static_cast<std::int32_t>(g));
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
-      p_n_[e] = water->at(parts_.points.water[p], parts_.points.J[p]).p;
+      p_n_[e] = water_pressure(*water, parts_.points.water[p], parts_.points.J[p]);
     }
   }
   if (!step_.pools.empty()) list_pool_pressures();
@@ -91,7 +92,12 @@ double SeepageForces<dim>::stabilisation(std::int32_t body) const {
   double least = 1;
   const auto& points = parts_.points;
   for (std::int32_t p = points.body_starts[body]; p < points.body_starts[body + 1]; ++p) {
-    least = std::min(least, soil.water->mobility_ratio(points.J[p]));
+    double ratio = soil.water->mobility_ratio(points.J[p]);
+    if (gives_way(*soil.water)) {
+      const double pressure = water_pressure(*soil.water, points.water[p], points.J[p]);
+      ratio *= retention_at(*soil.water, pressure).mobility;
+    }
+    least = std::min(least, ratio);
   }
   least = -parts_.nodes.shared.largest(-least);
   const double drained = 4 * soil.water->mobility() * least * M * step_.dt / (h * h);
@@ -154,7 +160,9 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
   const PoreWater& water = *parts_.bodies[group.body].water;
   work.points.resize(group.last - group.first);
   work.V = work.Vj = work.pV = work.p_nV = work.p_poolV = work.density = 0;
+  work.borneV = work.borne_nV = 0;
   std::fill_n(work.N.begin(), group.num_nodes, 0.0);
+  std::fill_n(work.borne_N.begin(), group.num_nodes, 0.0);
   std::fill_n(work.change.begin(), group.num_nodes, Vector<dim>::Zero());
   for (std::int32_t e = group.first; e < group.last; ++e) {
     Work& point = work.points[e - group.first];
@@ -174,7 +182,6 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
     point.p = at_rest(group.body, parts_.points.x[p]);
     point.p_n = p_n_[e];
     if (!p_pool_.empty()) point.p_pool = p_pool_[e], point.p_pool_slope = p_pool_slope_[e];
-    point.density = std::exp(point.p_n / water.bulk_modulus);
     point.grad_p = G * weight;
     for (int i = 0; i < weights.num_nodes(e); ++i) {
       const int k = weights.local_of(e)[i];
@@ -184,15 +191,33 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
       work.N[k] += point.V * weights.N_of(e)[i];
       work.change[k] += point.V * point.j * point.g[i];
     }
+    bear(water, point);
+    for (int i = 0; i < weights.num_nodes(e); ++i) {
+      work.borne_N[weights.local_of(e)[i]] += point.V * point.borne_slope * weights.N_of(e)[i];
+    }
     work.V += point.V;
     work.Vj += point.V * point.j;
     work.pV += point.V * point.p;
     work.p_nV += point.V * point.p_n;
     work.p_poolV += point.V * point.p_pool;
+    work.borneV += point.V * point.borne;
+    work.borne_nV += point.V * point.borne_n;
     work.density += point.V * point.density;
   }
   work.density /= work.V;
-  for (int k = 0; k < group.num_nodes; ++k) work.N[k] /= work.V;
+  for (int k = 0; k < group.num_nodes; ++k) {
+    work.N[k] /= work.V;
+    work.borne_N[k] /= work.V;
+  }
+  return fill_pores(group, work, worst);
+}
+
+// Pores of the points, and what flows through them.
+template <int dim>
+bool SeepageForces<dim>::fill_pores(const CellGroup& group, Group& work,
+                                    RefusedPoint& worst) const {
+  const auto& weights = parts_.weights;
+  const PoreWater& water = *parts_.bodies[group.body].water;
   for (Work& point : work.points) {
     const std::int32_t p = weights.point[point.entry];
     const double J = parts_.points.J[p] * (step_.averages ? work.Vj / work.V : point.j);
@@ -201,7 +226,12 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
       return false;
     }
     point.m = water.pores(J);
-    point.kappa = water.mobility() * water.mobility_ratio(J);
+    point.kappa *= water.mobility() * water.mobility_ratio(J);
+    if (gives_way(water)) {
+      point.held_slope *= point.V0 * point.m;
+    } else {
+      point.held_slope = point.density * point.V0 * point.m * point.grown / water.bulk_modulus;
+    }
     point.kappa_slope = water.mobility_slope(J);
     point.w = point.kappa * (water.density * step_.gravity - point.grad_p);
   }
@@ -253,8 +283,7 @@ void SeepageForces<dim>::add_volumes(const CellGroup& group, Group& work) {
   double unstable = 0;
   for (const Work& point : work.points) {
     const double squeezed = point.density * point.V * (point.j - 1);
-    const double stored =
-        point.density * point.V0 * point.m * std::expm1((point.p - point.p_n) / water.bulk_modulus);
+    const double stored = point.density * point.V0 * point.m * point.change;
     const double jump = (point.p - work.pV / work.V) - (point.p_n - work.p_nV / work.V);
     const double stable = point.V * tau * jump;
     unstable += stable;
@@ -342,8 +371,8 @@ void SeepageForces<dim>::find_start_forces() {
     const CellGroup& group = parts_.weights.groups[g];
     gather(group, {.du = still, .q = none}, work);
     require(sum_up(group, work, worst), "mpm_solver: pores of the accepted state are closed");
-    work.pV = work.p_nV;
-    for (Work& point : work.points) point.p = point.p_n;
+    work.borneV = work.borne_nV;
+    for (Work& point : work.points) point.borne = point.borne_n;
     add_forces(group, work);
   }
 }

@@ -81,11 +81,15 @@ class SeepageForces {
   double inflow_work() const { return inflow_work_; }
   /// Volume of water that leaves at the points of open(), in the last evaluation [m^3].
   double outflow() const { return outflow_; }
-  /// Find anew where the soil takes all of the rain, from the last evaluation; until then it does
-  /// where it did so, at first under the accepted pressures.
+  /// Keep from now on, during a solution, where water leaves: over that kink Newton's method may
+  /// creep.
+  void hold_outlets() { hold_ = true; }
+  /// Find anew where the soil takes all of the rain, from the last evaluation, and with
+  /// hold_outlets() where water leaves; until then that is where it was, at first under the
+  /// accepted pressures.
   /// @returns whether that is elsewhere now, on any rank
   /// @note Collective.
-  bool update_rain();
+  bool update_outlets();
   /// Volumes of the rain that the soil takes and does not take, in the last evaluation [m^3].
   double rain_in() const { return rain_in_; }
   double rain_run_off() const { return rain_run_off_; }
@@ -128,7 +132,7 @@ class SeepageForces {
     double outside = 0;                            // pressure of a pool, 0: air [Pa]
     double rain = 0;                               // volume in the step [m^3]
     double at_pressure = 0;  // volume that the pressure of the last evaluation lets out [m^3]
-    bool full = false;       // the soil does not take all of the rain
+    bool full = false;       // the soil does not take all of the rain; without rain: water leaves
     bool follows = false;    // water passed in the last evaluation
     bool in_K = false;       // the same of the last one with K
   };
@@ -139,7 +143,9 @@ class SeepageForces {
   double stabilisation(std::int32_t body) const;
   double give_water(std::int32_t body, std::int32_t entry);
   void gather(const CellGroup& group, const Trial& trial, Group& work) const;
+  static void bear(const PoreWater& water, Work& point);
   bool sum_up(const CellGroup& group, Group& work, RefusedPoint& worst) const;
+  bool fill_pores(const CellGroup& group, Group& work, RefusedPoint& worst) const;
   void add_forces(const CellGroup& group, Group& work);
   void add_volumes(const CellGroup& group, Group& work);
   void add_outflow(const CellGroup& group, Group& work, bool with_stiffness);
@@ -155,6 +161,7 @@ class SeepageForces {
   double modulus_ = 0;
   double weight_work_ = 0, outflow_ = 0, inflow_work_ = 0, rain_in_ = 0, rain_run_off_ = 0;
   std::vector<Outlet> outlets_;       // ascending entries
+  bool hold_ = false;                 // see hold_outlets()
   std::vector<std::int32_t> groups_;  // of the weights, those of bodies that drain
   std::vector<double> tau_st_;        // of each body [1/Pa]
   std::vector<double> p_n_;           // accepted pressure of each entry [Pa]

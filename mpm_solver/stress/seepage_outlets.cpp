@@ -77,7 +77,7 @@ bool SeepageForces<dim>::follows_pressure(const Outlet& outlet, double& volume) 
     inflow_work_ -= volume * outlet.outside;
     return true;
   }
-  const bool follows = outlet.rain > 0 ? outlet.full : volume > 0;
+  const bool follows = hold_ || outlet.rain > 0 ? outlet.full : volume > 0;
   if (!follows) volume = -outlet.rain;
   outflow_ += std::max(0.0, volume);
   const double taken = std::max(0.0, -volume);
@@ -87,11 +87,11 @@ bool SeepageForces<dim>::follows_pressure(const Outlet& outlet, double& volume) 
 }
 
 template <int dim>
-bool SeepageForces<dim>::update_rain() {
-  if (step_.rain.isZero(0)) return false;
+bool SeepageForces<dim>::update_outlets() {
+  if (step_.rain.isZero(0) && !hold_) return false;
   bool changed = false;
   for (Outlet& outlet : outlets_) {
-    if (!(outlet.rain > 0)) continue;
+    if (outlet.outside != 0 || !(hold_ || outlet.rain > 0)) continue;
     const bool full = outlet.at_pressure > -outlet.rain;
     changed = changed || full != outlet.full;
     outlet.full = full;
@@ -136,8 +136,8 @@ template bool SeepageForces<2>::outlets_changed() const;
 template bool SeepageForces<3>::outlets_changed() const;
 template void SeepageForces<2>::open(const BackgroundGrid<2>&, std::span<const OuterPoint<2>>);
 template void SeepageForces<3>::open(const BackgroundGrid<3>&, std::span<const OuterPoint<3>>);
-template bool SeepageForces<2>::update_rain();
-template bool SeepageForces<3>::update_rain();
+template bool SeepageForces<2>::update_outlets();
+template bool SeepageForces<3>::update_outlets();
 template void SeepageForces<2>::add_outflow(const CellGroup&, Group&, bool);
 template void SeepageForces<3>::add_outflow(const CellGroup&, Group&, bool);
 

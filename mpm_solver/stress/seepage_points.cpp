@@ -1,8 +1,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the points get of a solution with pore water that drains.
-#include "mpm_solver/stress/seepage_forces.hpp"
+// What points do at the pressure of their water, and what they get of a solution.
+#include <cmath>
+
+#include "mpm_solver/points/retention.hpp"
+#include "mpm_solver/stress/seepage_group.hpp"
 
 namespace gabion::mpm {
+
+// What the water of a point does at its pressure. Mobility and held_slope are left to fill_pores().
+template <int dim>
+void SeepageForces<dim>::bear(const PoreWater& water, Work& point) {
+  const double K_w = water.bulk_modulus;
+  point.density = retention_at(water, point.p_n).filled;
+  if (!gives_way(water)) {
+    point.borne = point.p;
+    point.borne_n = point.p_n;
+    const double strain = (point.p - point.p_n) / K_w;
+    point.borne_slope = point.kappa = 1;
+    point.kappa_by_p = 0;
+    point.change = std::expm1(strain);
+    point.grown = std::exp(strain);
+    return;
+  }
+  const Retention now = retention_at(water, point.p);
+  point.borne = now.borne;
+  point.borne_n = retention_at(water, point.p_n).borne;
+  point.borne_slope = now.borne_slope;
+  point.kappa = now.mobility;
+  point.kappa_by_p = now.mobility_slope / now.mobility;
+  point.grown = now.filled / point.density;
+  point.change = (now.filled - point.density) / point.density;
+  point.held_slope = now.filled_slope;
+}
 
 // Give the trial state of a point its pressure.
 // @returns energy that its water got, by volume free of stress [J/m^3]
@@ -10,7 +39,8 @@ template <int dim>
 double SeepageForces<dim>::give_water(std::int32_t body, std::int32_t e) {
   const PoreWater& water = *parts_.bodies[body].water;
   TrialPoints<dim>& trial = parts_.trial;
-  trial.pore_tau[e] = J_[e] * p_[e];
+  const double borne = gives_way(water) ? retention_at(water, p_[e]).borne : p_[e];
+  trial.pore_tau[e] = J_[e] * borne;
   trial.tau[e].template head<3>().array() -= trial.pore_tau[e];
   const std::int32_t p = parts_.weights.point[e];
   const double before = water.at(parts_.points.water[p], parts_.points.J[p]).energy;
@@ -41,10 +71,13 @@ double SeepageForces<dim>::finish(std::span<const double> du) {
   std::array<double, max_group_nodes<dim> * dim> moves;
   for (const std::int32_t g : groups_) {
     const CellGroup& group = parts_.weights.groups[g];
+    const PoreWater& water = *parts_.bodies[group.body].water;
+    const bool limited = gives_way(water);
     parts_.nodes.gather(parts_.weights.nodes_of(group), du, moves.data());
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = parts_.weights.point[e];
-      lost -= 0.5 * parts_.weights.volume[e] * parts_.points.J[p] * p_n_[e] *
+      lost -= 0.5 * parts_.weights.volume[e] * parts_.points.J[p] *
+              (limited ? retention_at(water, p_n_[e]).borne : p_n_[e]) *
               displacement_gradient<dim>(parts_.weights, e, moves.data()).trace();
       lost -= parts_.weights.volume[e] * give_water(group.body, e);
     }
@@ -66,6 +99,8 @@ void SeepageForces<dim>::store(MaterialPoints<dim>& points) const {
   }
 }
 
+template void SeepageForces<2>::bear(const PoreWater&, Work&);
+template void SeepageForces<3>::bear(const PoreWater&, Work&);
 template double SeepageForces<2>::finish();
 template double SeepageForces<3>::finish();
 template double SeepageForces<2>::finish(std::span<const double>);

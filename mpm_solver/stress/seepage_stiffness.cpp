@@ -15,11 +15,8 @@ void SeepageForces<dim>::add_point_stiffness(const CellGroup& group, const Work&
   const PoreWater& water = *parts_.bodies[group.body].water;
   const double kappa = point.kappa, Vj = point.V * point.j;
   const double p = work.excess(point, step_.averages);
-  const double change = (point.p - point.p_n) / water.bulk_modulus;
-  const double storage =
-      point.density * point.V0 * point.m * std::exp(change) / water.bulk_modulus +
-      point.V * tau_st_[group.body];
-  const double by_volume = step_.averages ? 0 : point.density * Vj * std::exp(change);
+  const double storage = point.held_slope + point.V * tau_st_[group.body];
+  const double by_volume = step_.averages ? 0 : point.density * Vj * point.grown;
   const int num = weights.num_nodes(point.entry), rows = group.num_nodes * block_size;
   const std::uint8_t* local = weights.local_of(point.entry);
   const double* N = weights.N_of(point.entry);
@@ -39,11 +36,12 @@ void SeepageForces<dim>::add_point_stiffness(const CellGroup& group, const Work&
         for (int c = 0; c < dim && !p_pool_.empty(); ++c) {
           block[d * rows + c] += Vj * N[i] * point.p_pool_slope[d] * g_k[c];
         }
-        if (!step_.averages) block[d * rows + dim] -= Vj * N[k] * g_i[d];
+        if (!step_.averages) block[d * rows + dim] -= Vj * point.borne_slope * N[k] * g_i[d];
         volumes[d] += step_.dt * Vj * (g_w * g_k[d] - gw_k * g_i[d] + gg * point.grad_p[d]) -
                       by_volume * N[i] * g_k[d];
       }
       volumes[dim] -= storage * N[i] * N[k] + step_.dt * Vj * gg;
+      if (point.kappa_by_p != 0) volumes[dim] += step_.dt * Vj * g_w * point.kappa_by_p * N[k];
     }
   }
   if (water.kozeny_carman) add_mobility_stiffness(group, point, work);
@@ -83,7 +81,7 @@ void SeepageForces<dim>::add_group_stiffness(const CellGroup& group, Group& work
       if (!step_.averages) continue;
       const double share = work.density * work.N[i] + work.compressed[i] / work.V;
       for (int d = 0; d < dim; ++d) {
-        block[d * rows + dim] -= work.change[i][d] * work.N[k];
+        block[d * rows + dim] -= work.change[i][d] * work.borne_N[k];
         volumes[d] -= share * work.change[k][d];
       }
     }
@@ -96,10 +94,9 @@ void SeepageForces<dim>::add_stiffness(const CellGroup& group, Group& work) cons
   const auto& weights = parts_.weights;
   work.K.assign(rows * rows, 0.0);
   std::fill_n(work.compressed.begin(), group.num_nodes, 0.0);
-  const double K_w = parts_.bodies[group.body].water->bulk_modulus;
   for (const Work& point : work.points) {
     add_point_stiffness(group, point, work);
-    const double by_change = point.density * point.V * std::expm1((point.p - point.p_n) / K_w);
+    const double by_change = point.density * point.V * point.change;
     for (int i = 0; i < weights.num_nodes(point.entry); ++i) {
       work.compressed[weights.local_of(point.entry)[i]] += by_change * weights.N_of(point.entry)[i];
     }

@@ -18,6 +18,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/tensor_functions.hpp"
 #include "mpm_solver/grid/soil_border.hpp"
+#include "mpm_solver/points/retention.hpp"
 #include "mpm_solver/stress/step_context.hpp"
 
 namespace gabion::mpm {
@@ -245,7 +246,7 @@ template <class Law, int dim>
 double change_volume(const Law& law, const PoreWater& water, double d, std::int32_t p,
                      MaterialPoints<dim>& points) {
   const double before = points.energy[p];
-  const double pressure = water.at(points.water[p], points.J[p]).p;
+  const double pressure = water_pressure(water, points.water[p], points.J[p]);
   change_volume(law, d, p, points);
   require(water.admits(points.J[p]), "mpm_solver: a shared volume closes the pores");
   if (water.drains()) {

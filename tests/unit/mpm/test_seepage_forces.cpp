@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <optional>
 
 #include "mpm_solver/step/seepage_balance.hpp"
@@ -29,7 +30,8 @@ struct WetBalance {
   mpm::DrainedNodes drained;
 
   WetBalance(mpm::Basis basis, bool averages, bool with_inertia, bool kozeny_carman = false,
-             const mpm::PoolLevels& pools = {})
+             const mpm::PoolLevels& pools = {},
+             double suction_limit = std::numeric_limits<double>::infinity())
       : soil(dim == 2 ? CellType::quad4 : CellType::hex8, seepage_cells, basis) {
     soil.grid.splits_border = averages && basis == mpm::Basis::bspline;
     soil.fill(1 << dim, 1.5);
@@ -37,7 +39,7 @@ struct WetBalance {
     pores.porosity = 0.4;
     pores.bulk_modulus = 5e4;
     pores.density = 1;
-    pores.cavitation = 1e9;
+    pores.cavitation = suction_limit;
     pores.permeability = 0.02;
     pores.kozeny_carman = kozeny_carman;
     soil.bodies = {{"soil", {"", 1.5, NeoHookean<dim>{4e3, 3e3}}, pores}};
@@ -156,6 +158,17 @@ TEST(SeepageTangent, agrees_with_differences_where_water_leaves_and_the_permeabi
   });
 }
 
+/// Half of the points are under suction, up to twice the one that grains feel at most.
+TEST(SeepageTangent, agrees_with_differences_where_air_enters) {
+  for_each_form([](mpm::Basis basis, bool averages, bool inertia) {
+    WetBalance<2> plane(basis, averages, inertia, true, {}, 1e3);
+    plane.open();
+    EXPECT_LT(plane.error(plane.random_unknowns(0.02), 1e-4), 1e-7);
+  });
+  WetBalance<3> space(mpm::Basis::gimp, true, false, false, {}, 1e3);
+  EXPECT_LT(space.error(space.random_unknowns(0.01), 1e-4), 1e-7);
+}
+
 /// Two pools whose levels cut the soil, and of which the water is heavy.
 mpm::PoolLevels two_pools() {
   std::vector<mpm::Pool> pools(2);
@@ -203,9 +216,9 @@ TEST(SeepageTangent, agrees_with_differences_in_space) {
 
 /// What one place loses another gets: the rows of all nodes add up to what the points hold more and
 /// what left, whatever seeps and whatever stabilises.
-TEST(SeepageForces, the_rows_add_up_to_the_change_of_the_content) {
-  for_each_form([](mpm::Basis basis, bool averages, bool inertia) {
-    WetBalance<2> plane(basis, averages, inertia);
+void rows_add_up(double suction_limit) {
+  for_each_form([suction_limit](mpm::Basis basis, bool averages, bool inertia) {
+    WetBalance<2> plane(basis, averages, inertia, false, {}, suction_limit);
     plane.open();
     plane.residual(plane.random_unknowns(0.02));
     EXPECT_GT(plane.water->outflow(), 0);
@@ -224,6 +237,14 @@ TEST(SeepageForces, the_rows_add_up_to_the_change_of_the_content) {
     EXPECT_NEAR(sum, change, 1e-12 * size);
     EXPECT_NEAR(mass, change, 1e-12 * size);
   });
+}
+
+TEST(SeepageForces, the_rows_add_up_to_the_change_of_the_content) {
+  rows_add_up(std::numeric_limits<double>::infinity());
+}
+
+TEST(SeepageForces, so_they_do_where_air_enters) {
+  rows_add_up(1e3);
 }
 
 /// Water at rest has the same unknown at all nodes, and does not flow.
