@@ -169,7 +169,7 @@ class ScenePlot:
         return axes.add_collection(soil)
 
     def _draw_structure(self, axes: Axes, structure: Series, time: float) -> None:
-        """The mesh as it is at `time`, and its outline at the start, dotted.
+        """The mesh as it is at `time`, without cells that failed, and its outline at the start, dotted.
 
         In space soil beside it shines through.
         """
@@ -177,7 +177,7 @@ class ScenePlot:
         if frame.cells is None or len(frame.cells) == 0:  # lines alone
             return
         first = structure.frame(0)
-        faces = self.view.faces(frame.points, frame.cells)
+        faces = self.view.faces(frame.points, _left(frame))
         edges = _outline(self.view.faces(first.points, first.cells))
         colour = (0.74, 0.74, 0.74, 1 if self.view.dim == 2 else 0.7)
         axes.add_collection(PolyCollection(self.view.project(frame.points[faces]), facecolor=colour,
@@ -238,6 +238,13 @@ class ScenePlot:
         figure.colorbar(soil, ax=axes, label=label_of(self.field, values),
                         extend=self.beyond, shrink=min(1.0, 2.2 / rows),
                         aspect=18, anchor=(0.0, 1.0))
+
+
+def _left(frame: Frame) -> np.ndarray:
+    """Cells of a structure that are not gone; all of them where none is left to show."""
+    failed = frame.fields.get("failed")
+    left = frame.cells if failed is None else frame.cells[failed.ravel() < 1]
+    return left if len(left) else frame.cells
 
 
 def _outline(cells: np.ndarray) -> np.ndarray:
