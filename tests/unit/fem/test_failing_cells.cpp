@@ -7,23 +7,12 @@
 
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/beam_scene.hpp"
-#include "tests/unit/fem/concrete_bar.hpp"
+#include "tests/unit/fem/energy_balance.hpp"
 #include "tests/unit/fem/line_scene.hpp"
 #include "tests/unit/fem/yielding_tower.hpp"
 
 namespace gabion::test {
 namespace {
-
-/// Energy that a structure has or has used, less the work on it [J].
-double imbalance(const Solver& solver) {
-  double sum = -probe(solver, "external_work");
-  for (const char* name : {"kinetic_energy", "elastic_energy", "plastic_work", "brake_work",
-                           "damage_work", "failed_energy"}) {
-    const auto names = solver.probe_names();
-    if (std::ranges::find(names, name) != names.end()) sum += probe(solver, name);
-  }
-  return sum;
-}
 
 /// Two bars in a row of 1 m in all are pulled by 1 mm in a step.
 Json pulled_bars(const std::string& file, int fade_steps) {
@@ -195,24 +184,6 @@ void expect_beams_to_fall() {
 TEST(FailingCells, beams_fail_by_the_strain_of_their_fibres) {
   expect_beams_to_fall<2>();
   expect_beams_to_fall<3>();
-}
-
-/// A cracked cell leaves at a width of 0.1 mm, where its crack still carries a little.
-TEST(FailingCells, crack_that_is_wide_enough_opens_for_good) {
-  const TemporaryMesh mesh(strip(0.5, 0.1, 5));
-  Json json = pulled_strip(mesh.path(), 5, 4e-4);
-  json["materials"][0]["failure_crack_width"] = 1e-4;
-  json["materials"][0]["fade_steps"] = 1;
-  const auto solver = fem_solver<2>(json);
-  const int steps = 80;
-  for (int n = 1; n <= steps; ++n) {
-    advance(*solver, n, 1.0 / steps);
-    EXPECT_LT(imbalance(*solver), 1e-3) << n;
-  }
-  EXPECT_EQ(probe(*solver, "failed_cells"), 1);
-  EXPECT_NEAR(probe(*solver, "reaction_left_x"), 0, 1e-3);
-  EXPECT_LT(probe(*solver, "damage_work"), 100 * 0.1);
-  EXPECT_GT(probe(*solver, "damage_work"), 0.8 * 100 * 0.1);
 }
 
 TEST(FailingCells, saved_state_and_repeats_give_the_same_bits) {
