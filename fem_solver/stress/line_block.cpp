@@ -105,14 +105,14 @@ StressIntegral LineBlock<dim>::add_internal(std::span<const double> u, std::span
   std::vector<double> memory;
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     const HistoryStep own = history.part(k * history_width(), history_width());
-    const double share = share_left(k, history.accepted);
-    if (may_fail()) keep_failure(share, own);
-    if (share == 0) continue;
+    const double left = share_left(k, history.accepted);
+    if (may_fail()) keep_failure(left, own);
+    if (left == 0) continue;
     const auto [e, length] = ends(k, u);
     LineResponse line = respond(material_, free_lengths_[k], length, own.accepted, own.trial);
-    line.force *= share;
-    line.slope *= share;
-    result.energy += share * line.energy;
+    line.force *= left;
+    line.slope *= left;
+    result.energy += left * line.energy;
     if (line.force == 0 && line.slope == 0) continue;
     if (length < shortest_share * free_lengths_[k]) {
       return {.inadmissible_cell = num_cells_ + lines_[k],
