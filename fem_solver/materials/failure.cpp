@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <initializer_list>
+#include <string_view>
+
 namespace gabion::fem {
 
 std::string describe(FailureReason reason, double value, double limit) {
@@ -69,21 +73,25 @@ std::vector<Key> failure_keys(bool lines) {
   return keys;
 }
 
-FailureLimits read_failure(ConfigReader& in) {
-  const auto read = [&](const char* key) {
-    return in.has(key) ? std::optional<double>(in.number(key)) : std::nullopt;
+FailureLimits read_failure(ConfigReader& in, const std::string& law) {
+  const auto is = [&](std::initializer_list<std::string_view> laws) {
+    return std::ranges::find(laws, law) != laws.end();
   };
-  FailureLimits limits{.plastic_strain = read("failure_plastic_strain"),
-                       .damage = read("failure_damage"),
-                       .crack_width = read("failure_crack_width"),
-                       .force = read("failure_force"),
-                       .strain = read("failure_strain")};
-  if (in.has("fade_steps")) {
-    if (!limits.any()) {
-      in.fail("fade_steps", "found without a limit of failure, allowed: with \"failure_...\"");
-    }
-    limits.fade_steps = in.integer("fade_steps");
+  const bool yields = is({"von_mises", "bar", "beam"}), cracks = law == "concrete";
+  const bool along = is({"truss", "cable", "brake", "bar"});
+  if (!yields && !cracks && !along) return {};
+  const auto read = [&](bool has_it, const char* key) {
+    return has_it && in.has(key) ? std::optional<double>(in.number(key)) : std::nullopt;
+  };
+  FailureLimits limits{.plastic_strain = read(yields, "failure_plastic_strain"),
+                       .damage = read(cracks, "failure_damage"),
+                       .crack_width = read(cracks, "failure_crack_width"),
+                       .force = read(along, "failure_force"),
+                       .strain = read(along, "failure_strain")};
+  if (in.has("fade_steps") && !limits.any()) {
+    in.fail("fade_steps", "found without a limit of failure, allowed: with \"failure_...\"");
   }
+  limits.fade_steps = in.integer("fade_steps");
   return limits;
 }
 

@@ -31,8 +31,8 @@ std::string describe(FailureReason reason, double value, double limit);
 /// Keys of all limits, each of the laws that have it. @param lines  those of lines, too
 std::vector<Key> failure_keys(bool lines);
 
-/// Read what failure_keys() list of a material.
+/// Read what failure_keys() list of a law.
 /// @throws ConfigError  "fade_steps" without a limit
-FailureLimits read_failure(ConfigReader& in);
+FailureLimits read_failure(ConfigReader& in, const std::string& law);
 
 }  // namespace gabion::fem

@@ -120,7 +120,7 @@ CellMaterial<dim> read_cell_material(ConfigReader in, bool of_group) {
   }
   material.formulation = formulation_of(in.choice("formulation"));
   material.rayleigh = read_rayleigh(in);
-  material.failure = read_failure(in);
+  material.failure = read_failure(in, material.law_name);
   if (material.failure.any() && material.rayleigh.stiffness > 0) {
     in.fail("rayleigh",
             "found damping by stiffness of cells that may fail, which would hold what "

@@ -108,7 +108,9 @@ TEST(FailingCells, weaker_of_two_ropes_breaks) {
   EXPECT_EQ(probe(*solver, "failed_cells"), 1);
   EXPECT_EQ(probe(*solver, "axial_max_lower"), 0);
   const double force = 1500, energy = force * force / (2 * 1e9 * 1e-4);
-  EXPECT_NEAR(probe(*solver, "failed_energy"), energy, 0.1 * energy);
+  // The node between springs back and stretches what is left of the lower rope.
+  EXPECT_GT(probe(*solver, "failed_energy"), energy);
+  EXPECT_LT(probe(*solver, "failed_energy"), 1.25 * energy);
   for (std::size_t k = 3; k + 1 < x.size(); ++k) {
     EXPECT_NEAR((x[k + 1] - 2 * x[k] + x[k - 1]) / (dt * dt), 10, 1e-5) << k;
   }
