@@ -8,6 +8,7 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/petsc/numbered_values.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "fem_solver/report/failure_log.hpp"
 #include "fem_solver/report/widest_crack.hpp"
 
 namespace gabion::fem {
@@ -114,6 +115,8 @@ AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved
     const WidestCrack earlier = state_.widest_crack;
     state_ = std::move(*trial_);
     state_.widest_crack = earlier;
+    log_failures<dim>(settings_, step_.fail_cells(request.dt, state_), state_.time,
+                      warned_of_wet_failure_);
     const Equilibrium<dim>& equilibrium = step_.equilibrium();
     const bool small_strain = std::ranges::any_of(settings_.materials, [](const auto& material) {
       return std::holds_alternative<LinearElastic<dim>>(material.law);
@@ -130,7 +133,17 @@ AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved
   state_.time = request.time + request.dt;
   trial_.reset();
   step_.forget_iterates();
-  return {.probes = probes(), .at_rest = step_.at_rest(state_)};
+  AcceptReport report{.probes = probes(), .at_rest = step_.at_rest(state_)};
+  if (step_.equilibrium().may_fail()) report.details["failed_cells"] = num_failed();
+  return report;
+}
+
+/// Cells and lines of all ranks that failed.
+template <int dim>
+std::int64_t FemSolver<dim>::num_failed() const {
+  const Equilibrium<dim>& equilibrium = step_.equilibrium();
+  const auto own = count_failed(equilibrium.cells(), *state_.history);
+  return static_cast<std::int64_t>(equilibrium.shared().total(static_cast<double>(own)));
 }
 
 template <int dim>
@@ -144,6 +157,10 @@ Json FemSolver<dim>::summary() const {
   Json summary = report_.summary();
   if (step_.equilibrium().cracks()) {
     summary["widest_crack"] = describe(state_.widest_crack, dim);
+  }
+  if (step_.equilibrium().may_fail()) {
+    summary["failed_cells"] = num_failed();
+    summary["failed_energy"] = state_.failed_energy;
   }
   return summary;
 }
@@ -164,6 +181,7 @@ State FemSolver<dim>::save_state() {
   own.visit_state(writer, nodes);
   if (step_.equilibrium().damped()) own.visit_damping(writer);
   if (step_.equilibrium().cracks()) own.visit_damage(writer);
+  if (step_.equilibrium().may_fail()) own.visit_failure(writer);
   if (own.history) {
     const CellIntegrals<dim>& cells = step_.equilibrium().cells();
     HistoryRows rows{.cells = ranks.own_elements(settings_.mesh),
@@ -197,6 +215,7 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
     loaded.visit_state(joiner, nodes);
     if (step_.equilibrium().damped()) loaded.visit_damping(joiner);
     if (step_.equilibrium().cracks()) loaded.visit_damage(joiner);
+    if (step_.equilibrium().may_fail()) loaded.visit_failure(joiner);
     if (state_.history) loaded.visit_history(joiner, history);
     if (state_.history && loaded.tangent) joiner.list(tangent_history, of_tangent);
     for (const auto& [name, values] : loaded.nodal_vectors()) {

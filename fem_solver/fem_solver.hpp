@@ -58,6 +58,7 @@ class FemSolver final : public Solver, public DisplacedAtStart {
 
  private:
   CellHistory history_of(const HistoryRows& saved, const std::vector<double>& values) const;
+  std::int64_t num_failed() const;
   ExternalForces interface_forces(const InterfaceValues& received, double dt) const;
   InterfaceValues interface_displacements(const StructureState& state) const;
   std::vector<Matrix<dim>> turns_of(const StructureState& state) const;
@@ -71,6 +72,7 @@ class FemSolver final : public Solver, public DisplacedAtStart {
   std::optional<StructureState> trial_;
   RepeatedFailure failures_;  // of static steps
   RotationWarning rotation_;
+  bool warned_of_wet_failure_ = false;
 };
 
 }  // namespace gabion::fem

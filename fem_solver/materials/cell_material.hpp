@@ -7,6 +7,7 @@
 
 #include "common/mechanics/materials/material.hpp"
 #include "fem_solver/materials/concrete.hpp"
+#include "fem_solver/materials/failure.hpp"
 #include "fem_solver/materials/rayleigh.hpp"
 #include "fem_solver/materials/von_mises.hpp"
 
@@ -40,6 +41,7 @@ struct CellMaterial {
   CellLaw<dim> law;
   Formulation formulation = Formulation::full;
   RayleighFactors rayleigh;  ///< K: elastic, before loading
+  FailureLimits failure;
 };
 
 /// Number of values that the law keeps of a point.

@@ -195,6 +195,12 @@ LineMaterial read_line_material(ConfigReader in, int dim) {
     material.area = material.beam->section.area;
     material.in_compression = true;
     read_yielding_beam(in, material);
+    material.failure = read_failure(in, material.law_name);
+    if (material.failure.plastic_strain && !material.hardening) {
+      in.fail("failure_plastic_strain",
+              "found with a beam that does not yield, allowed: with \"yield_stress\" or "
+              "\"yield_table\"");
+    }
     in.finish();
     return material;
   }
@@ -216,6 +222,7 @@ LineMaterial read_line_material(ConfigReader in, int dim) {
                                         in.number("pretension"), material.brake->force(0)));
     }
   }
+  material.failure = read_failure(in, material.law_name);
   in.finish();
   return material;
 }

@@ -11,6 +11,7 @@
 #include "fem_solver/beams/cross_section.hpp"
 #include "fem_solver/materials/brake.hpp"
 #include "fem_solver/materials/cell_material.hpp"
+#include "fem_solver/materials/failure.hpp"
 #include "fem_solver/materials/hardening.hpp"
 
 namespace gabion::fem {
@@ -31,6 +32,7 @@ struct LineMaterial {
   std::optional<Hardening> hardening;  ///< of a bar or beam that yields, over strain of L0
   double kinematic_modulus = 0;        ///< of these [Pa]
   std::optional<BeamData> beam;        ///< they bend, shear and twist, too
+  FailureLimits failure;
 
   double stiffness() const { return young_modulus * area; }  ///< E A [N]
   /// Numbers that a line remembers: the run of its brake; plastic strain and its sum of a bar.

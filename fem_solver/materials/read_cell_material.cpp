@@ -54,7 +54,11 @@ VonMises<dim> read_von_mises(ConfigReader& in, double lambda, double mu) {
 }  // namespace
 
 KeyTable cell_material_keys() {
-  return material_table("material", "Law of the stress and its constants.", {"von_mises"});
+  KeyTable table =
+      material_table("material", "Law of the stress and its constants.", {"von_mises"});
+  const auto failure = failure_keys(/*lines=*/false);
+  table.keys.insert(table.keys.end(), failure.begin(), failure.end());
+  return table;
 }
 
 KeyTable group_material_keys() {
@@ -75,7 +79,7 @@ KeyTable group_material_keys() {
       key = key.when("law", laws_of_cells);
     }
   }
-  for (const auto& keys : {line_keys(), beam_keys()}) {
+  for (const auto& keys : {line_keys(), beam_keys(), failure_keys(/*lines=*/true)}) {
     table.keys.insert(table.keys.end(), keys.begin(), keys.end());
   }
   table.keys.insert(table.keys.begin(),
@@ -116,6 +120,12 @@ CellMaterial<dim> read_cell_material(ConfigReader in, bool of_group) {
   }
   material.formulation = formulation_of(in.choice("formulation"));
   material.rayleigh = read_rayleigh(in);
+  material.failure = read_failure(in, material.law_name);
+  if (material.failure.any() && material.rayleigh.stiffness > 0) {
+    in.fail("rayleigh",
+            "found damping by stiffness of cells that may fail, which would hold what "
+            "they held, allowed: damping by mass alone, or no limits of failure");
+  }
   in.finish();
   return material;
 }

@@ -8,6 +8,7 @@
 
 #include "common/mechanics/output/numbered_rows.hpp"
 #include "fem_solver/stress/cell_damage.hpp"
+#include "fem_solver/stress/cell_failure.hpp"
 
 namespace gabion::fem {
 
@@ -25,7 +26,8 @@ template <int dim>
 std::vector<OutputField> frame_fields(const StructureState& state,
                                       const std::function<Values()>& stress,
                                       const std::function<Values()>& plastic_strain,
-                                      const std::function<Damages()>& damages) {
+                                      const std::function<Damages()>& damages,
+                                      const std::function<Values()>& failed) {
   const auto forces = [&state] {
     Values values = state.f_ext;
     for (std::size_t i = 0; i < values.size(); ++i) values[i] += state.f_step[i];
@@ -48,6 +50,7 @@ std::vector<OutputField> frame_fields(const StructureState& state,
     fields.push_back(field("compressive_damage", 1, part(&CellDamage::compressive)));
     fields.push_back(field("crack_width", 1, part(&CellDamage::crack_width)));
   }
+  if (failed) fields.push_back(field("failed", 1, failed));
   for (std::size_t i = 3; i < fields.size(); ++i) fields[i].on_cells = true;
   return fields;
 }
@@ -65,16 +68,17 @@ template <int dim>
 std::int64_t FemOutput<dim>::frame_bytes(const FemSettings<dim>& settings) {
   const Mesh<dim>& mesh = settings.mesh;
   const MeshRanks& ranks = settings.ranks;
-  std::function<Values()> plastic_strain;
+  std::function<Values()> plastic_strain, failed;
   std::function<Damages()> damages;
   for (const CellMaterial<dim>& material : settings.materials) {
     if (std::holds_alternative<VonMises<dim>>(material.law))
       plastic_strain = [] { return Values(); };
     if (std::holds_alternative<Concrete<dim>>(material.law)) damages = [] { return Damages(); };
+    if (material.failure.any()) failed = [] { return Values(); };
   }
   return XdmfSeries::frame_bytes(places_of_all(settings), mesh.cell_type,
                                  ranks.num_cells_of_all(mesh),
-                                 frame_fields<dim>({}, {}, plastic_strain, damages));
+                                 frame_fields<dim>({}, {}, plastic_strain, damages, failed));
 }
 
 template <int dim>
@@ -103,9 +107,13 @@ void FemOutput<dim>::write(double time, const StructureState& state,
   }
   std::function<Damages()> damages;
   if (integrals.cracks()) damages = [&] { return cell_damage(integrals, history); };
+  std::function<Values()> failed;
+  if (std::ranges::any_of(integrals.blocks(), [](const auto& b) { return b.may_fail(); })) {
+    failed = [&] { return lost_shares_of_cells(integrals, history); };
+  }
   auto fields = frame_fields<dim>(
       state, [&] { return integrals.cell_stresses(state.motion.u, history); }, plastic_strain,
-      damages);
+      damages, failed);
   for (OutputField& field : fields) {
     field.make = [&, own = std::move(field.make), width = field.components,
                   on_cells = field.on_cells] {

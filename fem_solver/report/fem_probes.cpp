@@ -14,8 +14,10 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
+#include "fem_solver/report/failure_log.hpp"
 #include "fem_solver/stress/bar_values.hpp"
 #include "fem_solver/stress/cell_damage.hpp"
+#include "fem_solver/stress/cell_failure.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
 namespace gabion::fem {
@@ -191,6 +193,7 @@ FemProbes<dim>::FemProbes(const FemSettings<dim>& settings)
     cracks = true;
     if (!material.group.empty()) names_.push_back("crack_width_" + material.group);
   }
+  if (may_fail(settings)) names_.insert(names_.end(), {"failed_cells", "failed_energy"});
 }
 
 /// Names of what add_plastic() adds.
@@ -327,8 +330,8 @@ void FemProbes<dim>::add_lines(const StructureState& state, const CellIntegrals<
       largest = std::max(largest, force);
       minus_least = std::max(minus_least, -force);
     }
-    for (const double each : own) {
-      if (block.material().brake) run = std::max(run, each);
+    for (std::size_t k = 0; block.material().brake && k < own.size(); k += block.history_width()) {
+      run = std::max(run, own[k]);
     }
     values.push_back(ranks_.shared().largest(largest));
     values.push_back(-ranks_.shared().largest(minus_least));
@@ -383,6 +386,10 @@ std::vector<double> FemProbes<dim>::values(const StructureState& state,
   add_lines(state, equilibrium.cells(), result);
   if (equilibrium.damped()) result.push_back(state.damping_work);
   add_damage(state, equilibrium.cells(), result);
+  if (equilibrium.may_fail()) {
+    const auto own = static_cast<double>(count_failed(equilibrium.cells(), *state.history));
+    result.insert(result.end(), {ranks_.shared().total(own), state.failed_energy});
+  }
   return result;
 }
 

@@ -20,7 +20,8 @@ namespace gabion::fem {
 /// ends and torsion_max_<group> [N m], and what brakes ran at most, brake_run_<group> [m];
 /// brake_work [J]; stress_max_<group> and stress_min_<group> [Pa] of bars; damping_work [J] where
 /// there is damping; damage_work [J] and the widest crack of all cells and of each group [m] where
-/// cells may crack.
+/// cells may crack; failed_cells, cells and lines that failed, and failed_energy [J], the elastic
+/// energy that they had, where some may fail.
 template <int dim>
 class FemProbes {
  public:

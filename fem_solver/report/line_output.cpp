@@ -12,6 +12,7 @@
 
 #include "common/mechanics/output/numbered_rows.hpp"
 #include "fem_solver/stress/bar_values.hpp"
+#include "fem_solver/stress/cell_failure.hpp"
 
 namespace gabion::fem {
 
@@ -80,6 +81,10 @@ std::vector<OutputField> line_fields(const FemSettings<dim>& settings) {
     fields.push_back({.name = "axial_stress", .on_cells = true});
     fields.push_back({.name = "plastic_strain", .on_cells = true});
   }
+  if (std::ranges::any_of(settings.line_materials,
+                          [](const LineMaterial& material) { return material.failure.any(); })) {
+    fields.push_back({.name = "failed", .on_cells = true});
+  }
   return fields;
 }
 
@@ -124,7 +129,8 @@ void LineOutput<dim>::write(double time, const StructureState& state,
       {"axial_force", [&] { return cells.line_forces(state.motion.u, history); }},
       {"brake_run", [&] { return cells.line_runs(history); }},
       {"axial_stress", [&] { return line_stresses<dim>(cells, state.motion.u, history); }},
-      {"plastic_strain", [&] { return line_plastic_strains<dim>(cells, history); }}};
+      {"plastic_strain", [&] { return line_plastic_strains<dim>(cells, history); }},
+      {"failed", [&] { return lost_shares_of_lines(cells, history, mesh.num_lines()); }}};
   for (const auto& [name, place] : beam_fields<dim>()) {
     values[name] = [&, place] {
       return beam_values<dim>(cells, state, history, place, mesh.num_lines());

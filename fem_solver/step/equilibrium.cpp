@@ -16,6 +16,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "fem_solver/stress/cell_damage.hpp"
+#include "fem_solver/stress/cell_failure.hpp"
 #include "fem_solver/stress/cells_of_materials.hpp"
 #include "fem_solver/supports/link_nodes.hpp"
 
@@ -51,9 +52,11 @@ Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
       ranks_(settings.ranks),
       conditions_(conditions),
       embedded_(settings.embedded),
+      mesh_(settings.mesh),
       cells_(make_cells(settings)),
       has_lines_(std::ranges::any_of(settings.line_materials,
                                      [](const auto& material) { return !material.beam; })),
+      may_fail_(fem::may_fail(cells_)),
       scheme_(settings.time_integration),
       smallest_cell_size_(-shared().largest(-cells_.smallest_cell_size())),
       num_dofs_(settings.mesh.nodes.size() * dim),
@@ -119,18 +122,41 @@ HistoryStep Equilibrium<dim>::history_step() {
 }
 
 template <int dim>
-void Equilibrium<dim>::find_history(StructureState& state) const {
+void Equilibrium<dim>::find_history(StructureState& state, const StructureState* before) const {
   state.history.reset();
   state.plastic_work = 0;
   state.brake_work = 0;
   state.damage_work = 0;
   if (!history_n_) return;
   state.history = std::make_shared<const std::vector<double>>(trial_history_);
-  state.plastic_work = shared().total(cells_.plastic_work(trial_history_));
-  if (cracks()) state.damage_work = shared().total(damage_work<dim>(cells_, trial_history_));
-  if (!cells_.line_blocks().empty()) {
-    state.brake_work = shared().total(cells_.brake_work(trial_history_));
+  // Cells that fail take work by the share of their stress that they still have in this step.
+  const bool by_step = may_fail_ && before;
+  if (before) state.failed_energy = before->failed_energy;
+  const auto work = [&](double StructureState::*sum, const auto& of_history) {
+    state.*sum = shared().total(of_history(trial_history_));
+    if (by_step) state.*sum += before->*sum - shared().total(of_history(*history_n_));
+  };
+  work(&StructureState::plastic_work,
+       [&](std::span<const double> history) { return cells_.plastic_work(history); });
+  if (cracks()) {
+    work(&StructureState::damage_work,
+         [&](std::span<const double> history) { return damage_work<dim>(cells_, history); });
   }
+  if (!cells_.line_blocks().empty()) {
+    work(&StructureState::brake_work,
+         [&](std::span<const double> history) { return cells_.brake_work(history); });
+  }
+}
+
+template <int dim>
+typename Equilibrium<dim>::InternalForces Equilibrium<dim>::internal_forces(
+    std::span<const double> u, const CellHistory& history) {
+  set_history(history);
+  InternalForces result{.f = std::vector<double>(num_dofs_, 0.0)};
+  const StressIntegral stresses = cells_.add_internal(u, result.f, nullptr, history_step());
+  shared().sum(result.f, dim);
+  result.energy = shared().total(stresses.energy);
+  return result;
 }
 
 template <int dim>
@@ -244,6 +270,7 @@ template <int dim>
 void Equilibrium<dim>::finish_tangent(double dt, bool with_inertia, BlockMatrix<dim>& K) {
   if (with_inertia) cells_.add_mass(scheme_.inertia_slope(dt), K);
   if (with_inertia && damping_) damping_->add(scheme_.gamma / (scheme_.beta * dt), K);
+  if (!with_inertia && may_fail_) hold_nodes_of_gone<dim>(cells_, mesh_, *history_n_, K);
   K.constrain(conditions_.constrained_nodes(), conditions_.projectors(),
               [this](std::int32_t i) { return shared().owns(i); });
 }

@@ -32,7 +32,7 @@ struct NodalForces {
 template <int dim>
 class Equilibrium final : public NewtonProblem<dim> {
  public:
-  /// Refers to the ranks of the settings and to the conditions.
+  /// Refers to mesh and ranks of the settings and to the conditions.
   /// @throws ConfigError  a cell that is not convex; on all ranks
   /// @note Collective, as all that sums over cells or nodes.
   Equilibrium(const FemSettings<dim>& settings, const BoundaryConditions<dim>& conditions,
@@ -68,8 +68,19 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   /// History at the end of the step, its plastic work, that of brakes and of damage, of the last
   /// evaluation, which was admissible, into a state.
+  /// @param before  of the start of the step; null: there is none
   /// @note Collective.
-  void find_history(StructureState& state) const;
+  void find_history(StructureState& state, const StructureState* before) const;
+
+  bool may_fail() const { return may_fail_; }  ///< cells of any rank may
+  /// Internal forces without those of damping, of all ranks' cells [N], and their energy [J], of
+  /// an admissible displacement.
+  /// @note Collective.
+  struct InternalForces {
+    std::vector<double> f;
+    double energy = 0;
+  };
+  InternalForces internal_forces(std::span<const double> u, const CellHistory& history);
 
   /// Forces of the last admissible evaluation.
   const NodalForces& forces() const { return forces_; }
@@ -138,9 +149,11 @@ class Equilibrium final : public NewtonProblem<dim> {
   const MeshRanks& ranks_;
   const BoundaryConditions<dim>& conditions_;
   const EmbeddedNodes<dim>& embedded_;
+  const Mesh<dim>& mesh_;
   CellIntegrals<dim> cells_;
   std::unique_ptr<Damping<dim>> damping_;  // null: none
   bool has_lines_;                         // a rank has some, beside beams
+  bool may_fail_;
   NewmarkBossak scheme_;
   double smallest_cell_size_ = 0;  // of all cells [m]
   std::size_t num_dofs_ = 0;

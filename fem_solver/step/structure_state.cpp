@@ -62,6 +62,10 @@ void StructureState::visit_damping(StateVisitor& visitor) {
   visitor.real("damping_work", damping_work);
 }
 
+void StructureState::visit_failure(StateVisitor& visitor) {
+  visitor.real("failed_energy", failed_energy);
+}
+
 void StructureState::visit_damage(StateVisitor& visitor) {
   visitor.real("damage_work", damage_work);
   visitor.real("widest_crack.width", widest_crack.width);

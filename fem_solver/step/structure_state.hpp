@@ -73,6 +73,7 @@ struct StructureState {
   double plastic_work = 0;    ///< of the cells since the virgin state [J]
   double brake_work = 0;      ///< that brakes of lines took since time 0 [J]
   double damping_work = 0;    ///< that damping took since time 0 [J]
+  double failed_energy = 0;   ///< elastic, of cells as they failed, since time 0 [J]
   double damage_work = 0;     ///< that cracks and crushing took since the virgin state [J]
   WidestCrack widest_crack;
   CellHistory history;
@@ -91,6 +92,8 @@ struct StructureState {
   void visit_history(StateVisitor& visitor, HistoryRows& rows);
   /// The same of what only a structure that cracks has.
   void visit_damage(StateVisitor& visitor);
+  /// The same of what only a structure has whose cells may fail.
+  void visit_failure(StateVisitor& visitor);
   /// The same of what only a damped structure has.
   void visit_damping(StateVisitor& visitor);
   /// Name and values.

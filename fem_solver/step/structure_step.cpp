@@ -89,7 +89,7 @@ StructureState StructureStep<dim>::state_of(std::vector<double> u, std::vector<d
     state.reactions[dof] = state.f_int[dof] + inertia[dof] - state.f_ext[dof];
   }
   state.elastic_energy = equilibrium_.forces().elastic_energy;
-  equilibrium_.find_history(state);
+  equilibrium_.find_history(state, nullptr);
   if (!dynamic_) state.balanced = shared().all(std::ranges::all_of(r, is_zero));
   return state;
 }
@@ -265,7 +265,7 @@ void StructureStep<dim>::fill_trial(const StructureState& state_n, ExternalForce
   trial.motion = equilibrium_.motion_after(du);
   trial.balanced = true;
   trial.elastic_energy = forces.elastic_energy;
-  equilibrium_.find_history(trial);
+  equilibrium_.find_history(trial, &state_n);
   trial.f_int = forces.internal;
   trial.reactions.assign(f.end.size(), 0.0);
   const bool with_inertia = dynamic_ && dt > 0;
@@ -356,8 +356,9 @@ StepReport StructureStep<dim>::solve(const StructureState& state_n,
     report.newton_iterations = newton.iterations;
     report.linear_iterations = newton.linear_iterations;
     report.details["matrix_assemblies"] = newton.matrices;
-  } catch (const ConvergenceError&) {
+  } catch (const ConvergenceError& error) {
     last_.reset();
+    explain_failure(state_n, error);
     throw;
   }
   fill_trial(state_n, f, dt, du, trial);
@@ -365,11 +366,6 @@ StepReport StructureStep<dim>::solve(const StructureState& state_n,
       Iterate{.f = std::move(f), .dt = dt, .du = std::move(du), .trial = trial, .report = report};
   ++solves_;
   return report;
-}
-
-template <int dim>
-void StructureStep<dim>::forget_iterates() {
-  last_.reset();
 }
 
 template <int dim>

@@ -11,6 +11,7 @@
 #include "fem_solver/step/equilibrium.hpp"
 #include "fem_solver/step/static_stability.hpp"
 #include "fem_solver/step/structure_state.hpp"
+#include "fem_solver/stress/cell_failure.hpp"
 #include "fem_solver/supports/boundary_conditions.hpp"
 
 namespace gabion::fem {
@@ -45,8 +46,16 @@ class StructureStep {
   /// @note Collective.
   void complete(const StructureState& state_n, double dt, StructureState& trial);
 
+  /// Cells of a state that becomes the accepted one fail, and those that failed go on to lose
+  /// their stress: elastic energy becomes failed energy, and in dynamics the acceleration is that
+  /// of the forces that are left, so that the next step makes no energy.
+  /// @param state  complete
+  /// @returns      those of this rank that begin to fail
+  /// @note Collective.
+  std::vector<Failure> fail_cells(double dt, StructureState& state);
+
   /// The accepted state changes, or the step begins anew.
-  void forget_iterates();
+  void forget_iterates() { last_.reset(); }
 
   /// Nothing moves, and neither loads nor supports will change without the interface's doing.
   /// @note Collective.
@@ -75,6 +84,7 @@ class StructureStep {
                        std::span<const double> constrained_u) const;
   std::vector<double> first_guess(const StructureState& state_n, double dt,
                                   bool moving = true) const;
+  void explain_failure(const StructureState& state_n, const ConvergenceError& error) const;
   int approach(const StructureState& state_n, std::span<const double> f_ext, double dt,
                bool with_inertia, std::vector<double>& du);
   NewtonReport solve_from_guess(const StructureState& state_n, std::span<const double> f_ext,

@@ -184,20 +184,31 @@ StressIntegral BeamCells<dim>::add_internal(std::span<const double> u, std::span
   for (std::size_t k = 0; k < cells_.size(); ++k) {
     const Cell& cell = cells_[k];
     const HistoryStep own = history.part(k * history_width(), history_width());
+    const double share = material_.failure.any() ? share_left(own.accepted) : 1;
+    if (material_.failure.any()) keep_failure(share, own);
+    if (share == 0) {  // the rotations of its nodes go on
+      if (const char* fault = remember(cell, u, own)) {
+        return {.inadmissible_cell = cell.element, .fault = fault, .energy = result.energy};
+      }
+      continue;
+    }
     const auto beam = forces<double>(cell, u, own);
     const char* fault = remember(cell, u, own);
     if (angle_between(beam) > largest_angle) fault = "nodes turned by 3 rad to each other";
     if (fault) {
       return {.inadmissible_cell = cell.element, .fault = fault, .energy = result.energy};
     }
-    result.energy += beam.energy;
-    add_to(cell, of_unknowns(beam, length_), f_int);
+    result.energy += share * beam.energy;
+    auto f_cell = of_unknowns(beam, length_);
+    for (double& f : f_cell) f *= share;
+    add_to(cell, f_cell, f_int);
     if (!K) continue;
     const auto f = of_unknowns(forces<Own>(cell, u, own), length_);
     std::array<double, num_unknowns * num_unknowns> K_cell;
     for (int i = 0; i < num_unknowns; ++i) {
       std::ranges::copy(f[i].slope, K_cell.begin() + i * num_unknowns);
     }
+    for (double& slope : K_cell) slope *= share;
     K->add_cell(cell.element, K_cell.data());
   }
   return result;
@@ -229,11 +240,16 @@ std::vector<SectionResultants<double>> BeamCells<dim>::resultants(
   for (std::size_t k = 0; k < cells_.size(); ++k) {
     const auto own = history.subspan(k * history_width(), history_width());
     const auto beam = forces<double>(cells_[k], u, {.accepted = own, .trial = unused});
+    const double share = material_.failure.any() ? share_left(own) : 1;
+    SectionResultants<double> section{{}, {}};
     if constexpr (dim == 3) {
-      result.push_back(beam.section);
+      section = beam.section;
     } else {
-      result.push_back({{beam.N, beam.V, 0}, {0, 0, beam.M}});
+      section = {{beam.N, beam.V, 0}, {0, 0, beam.M}};
     }
+    for (double& force : section.force) force *= share;
+    for (double& moment : section.moment) moment *= share;
+    result.push_back(section);
   }
   return result;
 }

@@ -11,6 +11,7 @@
 #include "fem_solver/beams/beam_forces.hpp"
 #include "fem_solver/beams/beam_nodes.hpp"
 #include "fem_solver/materials/line_material.hpp"
+#include "fem_solver/stress/failure_numbers.hpp"
 #include "fem_solver/stress/fibre_section.hpp"
 #include "fem_solver/stress/stress_integral.hpp"
 
@@ -24,8 +25,10 @@ class BeamCells {
  public:
   /// Numbers that a beam remembers of its rotations; all zero: not turned.
   static constexpr std::size_t rotation_width = dim == 3 ? 14 : 0;
-  /// All of them: then those of the fibres, where the section yields.
-  std::size_t history_width() const { return rotation_width + fibre_numbers_; }
+  /// All of them: then those of the fibres, where the section yields, and of its failure.
+  std::size_t history_width() const {
+    return rotation_width + fibre_numbers_ + (material_.failure.any() ? failure_numbers : 0);
+  }
 
   /// @param lines  of the mesh
   /// @throws ConfigError  an orientation along a beam
@@ -43,6 +46,10 @@ class BeamCells {
   std::vector<SectionResultants<double>> resultants(std::span<const double> u,
                                                     std::span<const double> history) const;
   double length(std::size_t k) const { return cells_[k].length; }
+  /// Rotations at the ends of the k-th beam.
+  std::span<const std::int32_t> rotations(std::size_t k) const {
+    return std::span(cells_[k].nodes).last(2);
+  }
   /// Plastic work of the k-th beam. @param history  of all beams
   double plastic_work(std::size_t k, std::span<const double> history) const;  ///< [J]
   /// The largest over its fibres of the sum of the size of plastic strains.

@@ -86,7 +86,7 @@ CellBlock<dim>::CellBlock(const Mesh<dim>& mesh, const CellMaterial<dim>& materi
   compute_geometry(mesh, ranks);
   bands_ = crack_bands<dim>(mesh, material_, cells_, ranks);
   history_width_ = history_per_point_ * static_cast<std::size_t>(points_per_cell_) +
-                   (is_enhanced() ? num_modes<dim> : 0);
+                   (is_enhanced() ? num_modes<dim> : 0) + (may_fail() ? failure_numbers : 0);
 }
 
 template <int dim>
@@ -127,6 +127,14 @@ decltype(auto) CellBlock<dim>::law_in(const Law& law, std::size_t c) const {
   }
 }
 
+/// What is kept in a step of a cell that may fail.
+/// @param share  share_left()
+template <int dim>
+void CellBlock<dim>::keep_failure(std::size_t c, double share, HistoryStep history) const {
+  if (!may_fail()) return;
+  fem::keep_failure(share, history.part(c * history_width_, history_width_));
+}
+
 template <int dim>
 template <int nodes, class Law>
 StressIntegral CellBlock<dim>::integrate(const Law& law, std::span<const double> u,
@@ -138,6 +146,9 @@ StressIntegral CellBlock<dim>::integrate(const Law& law, std::span<const double>
   double K_cell[nodes * dim * nodes * dim];
   const auto num_cells = static_cast<std::int32_t>(cells_.size());
   for (std::int32_t c = 0; c < num_cells; ++c) {
+    const double share = share_left(static_cast<std::size_t>(c), history.accepted);
+    keep_failure(static_cast<std::size_t>(c), share, history);
+    if (share == 0) continue;
     const std::int32_t* node = cell_nodes_.data() + static_cast<std::size_t>(c) * nodes;
     Vector<dim> u_cell[nodes], f_cell[nodes];
     for (int a = 0; a < nodes; ++a) {
@@ -149,11 +160,13 @@ StressIntegral CellBlock<dim>::integrate(const Law& law, std::span<const double>
     for (int q = 0; q < points_per_cell_; ++q) {
       const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
       const Vector<dim>* dN = gradients_.data() + point * nodes;
-      const double w = weights_[point];
+      const double w = share * weights_[point];
       const Matrix<dim> H = displacement_gradient<dim, nodes>(dN, u_cell);
       const HistoryStep of_point =
-          LawWithHistory<Law> ? history.part(point * history_per_point_, history_per_point_)
-                              : HistoryStep{};
+          LawWithHistory<Law>
+              ? history.part(static_cast<std::size_t>(c) * history_width_ + q * history_per_point_,
+                             history_per_point_)
+              : HistoryStep{};
       if (!update_point<dim>(law_of_cell, H, of_point, update, K ? &A : nullptr)) {
         return {.inadmissible_cell = cells_[c], .fault = "det F <= 0", .energy = result.energy};
       }
@@ -181,22 +194,26 @@ StressIntegral CellBlock<dim>::integrate_enhanced(const Law& law, std::span<cons
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     const auto node = nodes_of(static_cast<std::int32_t>(c));
     for (int a = 0; a < Cell::num_nodes; ++a) u_cell[a] = at<dim>(u, node[a]);
+    const double share = share_left(c, history.accepted);
+    keep_failure(c, share, history);
+    if (share == 0) continue;
     const std::size_t point = c * Cell::num_points;
     Cell cell(law, {.gradients = gradients_.data() + point * Cell::num_nodes,
                     .weights = weights_.data() + point,
                     .modes = modes_.data() + point});
-    const HistoryStep of_cell = history.part(c * history_width_, history_width_);
+    const HistoryStep of_cell = history.part(c * history_width_, law_width());
     if (const char* fault = cell.balance(u_cell, of_cell.accepted, of_cell.trial)) {
       return {.inadmissible_cell = cells_[c], .fault = fault, .energy = result.energy};
     }
-    result.energy += cell.energy();
-    const typename Cell::Forces f = cell.forces();
+    result.energy += share * cell.energy();
+    const typename Cell::Forces f = share * cell.forces();
     for (int a = 0; a < Cell::num_nodes; ++a) {
       Eigen::Map<Vector<dim>>(f_int.data() + static_cast<std::size_t>(node[a]) * dim) +=
           f.template segment<dim>(a * dim);
     }
     if (!K) continue;
     cell.find_stiffness(K_cell);
+    if (share < 1) K_cell *= share;
     K->add_cell(cells_[c], K_cell.data());
   }
   return result;
@@ -309,60 +326,21 @@ void CellBlock<dim>::find_stresses(std::span<const double> u, std::span<const do
       [&]<class Law>(const Law& law) {
         for (std::size_t k = 0; k < cells_.size(); ++k) {
           const auto c = static_cast<std::int32_t>(k);
-          const auto own = history.subspan(k * history_width_, history_width_);
+          const auto own = history.subspan(k * history_width_, law_width());
+          const double share = share_left(k, history);
           Eigen::Map<Symmetric<dim>> mean(stresses.data() + cells_[k] * size);
+          mean.setZero();
+          if (share == 0) continue;
           if constexpr (!std::same_as<Law, Concrete<dim>>) {
             if (is_enhanced()) {
-              mean = mean_enhanced_stress(law, c, u, own);
+              mean = share * mean_enhanced_stress(law, c, u, own);
               continue;
             }
           }
-          mean = mean_stress(law, c, u, own);
+          mean = share * mean_stress(law, c, u, own);
         }
       },
       material_.law);
-}
-
-template <int dim>
-void CellBlock<dim>::find_plastic_strains(std::span<const double> history,
-                                          std::span<double> strains) const {
-  if (!yields()) return;
-  for (std::size_t c = 0; c < cells_.size(); ++c) {
-    double sum = 0, volume = 0;
-    for (int q = 0; q < points_per_cell_; ++q) {
-      const double w = weights_[c * points_per_cell_ + q];
-      sum += w * history[c * history_width_ + (q + 1) * history_per_point_ - 1];
-      volume += w;
-    }
-    strains[cells_[c]] = sum / volume;
-  }
-}
-
-template <int dim>
-double CellBlock<dim>::largest_plastic_strain(std::span<const double> history) const {
-  double largest = 0;
-  if (!yields()) return largest;
-  for (std::size_t c = 0; c < cells_.size(); ++c) {
-    for (int q = 0; q < points_per_cell_; ++q) {
-      largest = std::max(largest, history[c * history_width_ + (q + 1) * history_per_point_ - 1]);
-    }
-  }
-  return largest;
-}
-
-template <int dim>
-double CellBlock<dim>::plastic_work(std::span<const double> history) const {
-  const auto* law = std::get_if<VonMises<dim>>(&material_.law);
-  if (!law) return 0;
-  double sum = 0;
-  for (std::size_t c = 0; c < cells_.size(); ++c) {
-    for (int q = 0; q < points_per_cell_; ++q) {
-      const auto own =
-          history.subspan(c * history_width_ + q * history_per_point_, history_per_point_);
-      if (own.back() > 0) sum += weights_[c * points_per_cell_ + q] * law->plastic_work(own);
-    }
-  }
-  return sum;
 }
 
 template <int dim>

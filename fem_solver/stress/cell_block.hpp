@@ -11,6 +11,7 @@
 #include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
 #include "fem_solver/stress/enhanced_strain.hpp"
+#include "fem_solver/stress/failure_numbers.hpp"
 #include "fem_solver/stress/stress_integral.hpp"
 
 namespace gabion::fem {
@@ -37,6 +38,8 @@ class CellBlock {
   /// Equivalent plastic strain, mean over the quadrature points, into the rows of its cells.
   void find_plastic_strains(std::span<const double> history, std::span<double> strains) const;
   double largest_plastic_strain(std::span<const double> history) const;
+  /// The largest of the points of its c-th cell; 0 where none yields.
+  double largest_plastic_strain(std::size_t c, std::span<const double> history) const;
   double plastic_work(std::span<const double> history) const;  ///< [J]
   /// See CellIntegrals::largest_rotation; 0 of laws of finite strain.
   double largest_rotation(std::span<const double> u) const;
@@ -44,6 +47,11 @@ class CellBlock {
   const CellMaterial<dim>& material() const { return material_; }
   std::span<const std::int32_t> cells() const { return cells_; }
   std::size_t history_width() const { return history_width_; }  ///< of a cell
+  bool may_fail() const { return material_.failure.any(); }
+  /// Share of its stress that the c-th cell still has: 1 but for one that failed.
+  double share_left(std::size_t c, std::span<const double> history) const {
+    return may_fail() ? fem::share_left(history.subspan(c * history_width_, history_width_)) : 1;
+  }
   std::size_t history_size() const { return history_width_ * cells_.size(); }
   std::span<const double> weights(std::size_t c) const {  ///< of the points of a cell [m^dim]
     return std::span(weights_).subspan(c * points_per_cell_, points_per_cell_);
@@ -72,6 +80,9 @@ class CellBlock {
     return std::span(cell_nodes_)
         .subspan(static_cast<std::size_t>(c) * nodes_per_cell_, nodes_per_cell_);
   }
+  /// Numbers of the law and the modes of a cell; those of its failure follow.
+  std::size_t law_width() const { return history_width_ - (may_fail() ? failure_numbers : 0); }
+  void keep_failure(std::size_t c, double share, HistoryStep history) const;
   Matrix<dim> gradient_at(std::int32_t c, int q, std::span<const double> u) const;
   bool is_enhanced() const { return material_.formulation == Formulation::enhanced; }
 

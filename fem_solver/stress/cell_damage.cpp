@@ -61,10 +61,11 @@ double damage_work(const CellIntegrals<dim>& cells, std::span<const double> hist
   double sum = 0;
   for (std::size_t b = 0; b < cells.blocks().size(); ++b) {
     if (!cells.blocks()[b].cracks()) continue;
-    for_each_point(cells.blocks()[b], cells.of_block(history, b),
-                   [&](std::size_t, double w, std::span<const double> point) {
-                     sum += w * Concrete<dim>::damage_work(point);
-                   });
+    const CellBlock<dim>& block = cells.blocks()[b];
+    const auto own = cells.of_block(history, b);
+    for_each_point(block, own, [&](std::size_t c, double w, std::span<const double> point) {
+      sum += block.share_left(c, own) * w * Concrete<dim>::damage_work(point);
+    });
   }
   return sum;
 }

@@ -307,7 +307,8 @@ std::vector<double> CellIntegrals<dim>::line_runs(std::span<const double> histor
     if (!line_blocks_[b].material().brake) continue;
     const auto lines = line_blocks_[b].lines();
     const auto runs = of_line_block(history, b);
-    for (std::size_t k = 0; k < runs.size(); ++k) result[lines[k]] = runs[k];
+    const std::size_t width = line_blocks_[b].history_width();
+    for (std::size_t k = 0; k < lines.size(); ++k) result[lines[k]] = runs[k * width];
   }
   return result;
 }

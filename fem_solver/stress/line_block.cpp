@@ -104,10 +104,15 @@ StressIntegral LineBlock<dim>::add_internal(std::span<const double> u, std::span
   StressIntegral result;
   std::vector<double> memory;
   for (std::size_t k = 0; k < lines_.size(); ++k) {
-    const auto [e, length] = ends(k, u);
     const HistoryStep own = history.part(k * history_width(), history_width());
-    const LineResponse line = respond(material_, free_lengths_[k], length, own.accepted, own.trial);
-    result.energy += line.energy;
+    const double left = share_left(k, history.accepted);
+    if (may_fail()) keep_failure(left, own);
+    if (left == 0) continue;
+    const auto [e, length] = ends(k, u);
+    LineResponse line = respond(material_, free_lengths_[k], length, own.accepted, own.trial);
+    line.force *= left;
+    line.slope *= left;
+    result.energy += left * line.energy;
     if (line.force == 0 && line.slope == 0) continue;
     if (length < shortest_share * free_lengths_[k]) {
       return {.inadmissible_cell = num_cells_ + lines_[k],
@@ -209,16 +214,31 @@ std::vector<double> LineBlock<dim>::forces(std::span<const double> u,
   std::vector<double> unused(width);
   for (std::size_t k = 0; k < lines_.size(); ++k) {
     const auto own = history.subspan(k * width, width);
-    forces.push_back(respond(material_, free_lengths_[k], ends(k, u).length, own, unused).force);
+    const double share = share_left(k, history);
+    forces.push_back(share *
+                     respond(material_, free_lengths_[k], ends(k, u).length, own, unused).force);
   }
   return forces;
+}
+
+template <int dim>
+std::vector<double> LineBlock<dim>::strains(std::span<const double> u,
+                                            std::span<const double> history) const {
+  std::vector<double> strains(lines_.size(), 0.0);
+  for (std::size_t k = 0; !beams_ && k < lines_.size(); ++k) {
+    const double run = material_.brake ? history[k * history_width()] : 0;
+    strains[k] = (ends(k, u).length - free_lengths_[k] - run) / free_lengths_[k];
+  }
+  return strains;
 }
 
 template <int dim>
 double LineBlock<dim>::brake_work(std::span<const double> history) const {
   double sum = 0;
   if (!material_.brake) return sum;
-  for (const double run : history) sum += material_.brake->work(run);
+  for (std::size_t k = 0; k < lines_.size(); ++k) {
+    sum += share_left(k, history) * material_.brake->work(history[k * history_width()]);
+  }
   return sum;
 }
 
@@ -226,9 +246,11 @@ template <int dim>
 double LineBlock<dim>::plastic_work(std::span<const double> history) const {
   double sum = 0;
   if (!yields()) return sum;
-  for (std::size_t k = 0; beams_ && k < lines_.size(); ++k) sum += beams_->plastic_work(k, history);
+  for (std::size_t k = 0; beams_ && k < lines_.size(); ++k) {
+    sum += share_left(k, history) * beams_->plastic_work(k, history);
+  }
   for (std::size_t k = 0; !beams_ && k < lines_.size(); ++k) {
-    sum += material_.area * free_lengths_[k] *
+    sum += share_left(k, history) * material_.area * free_lengths_[k] *
            fem::plastic_work(material_, history.subspan(k * history_width(), history_width()));
   }
   return sum;

@@ -12,6 +12,7 @@
 #include "fem_solver/ranks/mesh_ranks.hpp"
 #include "fem_solver/stress/beam_cells.hpp"
 #include "fem_solver/stress/embedded_nodes.hpp"
+#include "fem_solver/stress/failure_numbers.hpp"
 #include "fem_solver/stress/stress_integral.hpp"
 
 namespace gabion::fem {
@@ -57,6 +58,8 @@ class LineBlock {
 
   /// Forces along its lines, tension positive [N]. @param history  accepted
   std::vector<double> forces(std::span<const double> u, std::span<const double> history) const;
+  /// Strains from the length without stress, less the run of a brake; of beams 0.
+  std::vector<double> strains(std::span<const double> u, std::span<const double> history) const;
   double brake_work(std::span<const double> history) const;    ///< [J]
   double plastic_work(std::span<const double> history) const;  ///< of bars and beams [J]
   /// Sum of the size of plastic strains of its lines, of beams the largest; empty: none yields.
@@ -67,8 +70,15 @@ class LineBlock {
   /// Null: its lines are no beams.
   const BeamCells<dim>* beams() const { return beams_ ? &*beams_ : nullptr; }
   std::size_t history_width() const {  ///< of a line
-    return beams_ ? beams_->history_width() : material_.history_size();
+    if (beams_) return beams_->history_width();
+    return material_.history_size() + (may_fail() ? failure_numbers : 0);
   }
+  bool may_fail() const { return material_.failure.any(); }
+  /// Share of its force that the k-th line still has: 1 but for one that failed.
+  double share_left(std::size_t k, std::span<const double> history) const {
+    return may_fail() ? fem::share_left(history.subspan(k * history_width(), history_width())) : 1;
+  }
+  double free_length(std::size_t k) const { return free_lengths_[k]; }  ///< without stress [m]
   bool yields() const { return material_.hardening.has_value(); }
   std::size_t history_size() const { return history_width() * lines_.size(); }
 

@@ -105,6 +105,13 @@ class Frame:
         """Cells without the nodes on their edges, faces and inside, num_cells x corners; None for a cloud of points."""
         return self.cells if self.cells is None else self.cells[:, :CORNERS.get(self.kind)]
 
+    @property
+    def standing(self) -> np.ndarray | None:
+        """Corners of the cells of a structure that did not fail; all of them where none is left to show."""
+        failed = self.fields.get("failed")
+        left = self.corners if failed is None or self.cells is None else self.corners[failed.ravel() < 1]
+        return self.corners if left is None or not len(left) else left
+
 
 def evenly(count: int, most: int) -> np.ndarray:
     """Numbers of at most `most` of `count` frames, evenly, the first and the last one too."""

@@ -169,7 +169,7 @@ class ScenePlot:
         return axes.add_collection(soil)
 
     def _draw_structure(self, axes: Axes, structure: Series, time: float) -> None:
-        """The mesh as it is at `time`, and its outline at the start, dotted.
+        """The mesh as it is at `time`, without cells that failed, and its outline at the start, dotted.
 
         In space soil beside it shines through.
         """
@@ -177,7 +177,7 @@ class ScenePlot:
         if frame.cells is None or len(frame.cells) == 0:  # lines alone
             return
         first = structure.frame(0)
-        faces = self.view.faces(frame.points, frame.corners)
+        faces = self.view.faces(frame.points, frame.standing)
         edges = _outline(self.view.faces(first.points, first.corners))
         colour = (0.74, 0.74, 0.74, 1 if self.view.dim == 2 else 0.7)
         axes.add_collection(PolyCollection(self.view.project(frame.points[faces]), facecolor=colour,

@@ -156,7 +156,7 @@ class SpacePlot(ScenePlot):
         frame = structure.frame(structure.nearest(time))
         if frame.cells is None or frame.corners.shape[1] not in FACES:
             return np.zeros((0, 4, 3))
-        return frame.points[outer_faces(frame.corners)]
+        return frame.points[outer_faces(frame.standing)]
 
     def _beam_faces(self, time: float) -> list[np.ndarray]:
         frames = [series.frame(series.nearest(time)) for series in self.beam_surfaces]

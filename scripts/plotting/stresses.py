@@ -7,6 +7,7 @@ from plotting.results import Frame
 
 # Field of the frames -> how it is called beside the colours.
 AS_STORED = {
+    "failed": "failed (1: gone)",
     "plastic_strain": "plastic strain",
     "crack_width": "crack width [m]",
     "tensile_damage": "tensile damage",

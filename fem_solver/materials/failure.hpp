@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/settings/config_reader.hpp"
+
+namespace gabion::fem {
+
+/// Limits beyond which a cell or line of a material fails; each alone suffices, without any it
+/// never does.
+struct FailureLimits {
+  std::optional<double> plastic_strain;  ///< the largest of a point, of a beam of a fibre
+  std::optional<double> damage;       ///< the larger of tension and compression, mean over a cell
+  std::optional<double> crack_width;  ///< mean over a cell [m]
+  std::optional<double> force;        ///< tension of a line [N]
+  std::optional<double> strain;  ///< of a line from its stress-free length, without its brake's run
+  int fade_steps = 3;            ///< steps in which the stress of a failed cell falls to zero
+
+  bool any() const { return plastic_strain || damage || crack_width || force || strain; }
+};
+
+/// What made a cell or line fail.
+enum class FailureReason { none, plastic_strain, damage, crack_width, force, strain };
+
+/// Words of a reason, with its unit.
+std::string describe(FailureReason reason, double value, double limit);
+
+/// Keys of all limits, each of the laws that have it. @param lines  those of lines, too
+std::vector<Key> failure_keys(bool lines);
+
+/// Read what failure_keys() list of a law.
+/// @throws ConfigError  "fade_steps" without a limit
+FailureLimits read_failure(ConfigReader& in, const std::string& law);
+
+}  // namespace gabion::fem
