@@ -13,10 +13,6 @@ std::string describe(FailureReason reason, double value, double limit) {
   switch (reason) {
     case FailureReason::plastic_strain:
       return fmt::format("plastic strain {:.4g} over {:.4g}", value, limit);
-    case FailureReason::damage:
-      return fmt::format("damage {:.6g} over {:.6g}", value, limit);
-    case FailureReason::crack_width:
-      return fmt::format("crack of {:.4g} m over {:.4g} m", value, limit);
     case FailureReason::force:
       return fmt::format("force {:.5g} N over {:.5g} N", value, limit);
     case FailureReason::strain:
@@ -28,8 +24,7 @@ std::string describe(FailureReason reason, double value, double limit) {
 }
 
 std::vector<Key> failure_keys(bool lines) {
-  std::vector<std::string> yielding = {"von_mises"}, failing = {"von_mises", "concrete"};
-  const std::vector<std::string> concrete = {"concrete"};
+  std::vector<std::string> yielding = {"von_mises"}, failing = {"von_mises"};
   const std::vector<std::string> along = {"truss", "cable", "brake", "bar"};
   if (lines) {
     yielding.insert(yielding.end(), {"bar", "beam"});
@@ -43,15 +38,6 @@ std::vector<Key> failure_keys(bool lines) {
           .in(positive())
           .or_none()
           .when("law", yielding),
-      key::number("failure_damage", "",
-                  "A cell fails when its mean damage in tension or in compression exceeds this.")
-          .in(inside(0, 1))
-          .or_none()
-          .when("law", concrete),
-      key::number("failure_crack_width", "m", "A cell fails when its crack is wider than this.")
-          .in(positive())
-          .or_none()
-          .when("law", concrete),
       key::integer("fade_steps",
                    "Accepted steps, of the size of that in which it fails, over which the stress "
                    "of a failed cell falls to zero, in dynamics no shorter than a wave needs to "
@@ -77,15 +63,13 @@ FailureLimits read_failure(ConfigReader& in, const std::string& law) {
   const auto is = [&](std::initializer_list<std::string_view> laws) {
     return std::ranges::find(laws, law) != laws.end();
   };
-  const bool yields = is({"von_mises", "bar", "beam"}), cracks = law == "concrete";
+  const bool yields = is({"von_mises", "bar", "beam"});
   const bool along = is({"truss", "cable", "brake", "bar"});
-  if (!yields && !cracks && !along) return {};
+  if (!yields && !along) return {};
   const auto read = [&](bool has_it, const char* key) {
     return has_it && in.has(key) ? std::optional<double>(in.number(key)) : std::nullopt;
   };
   FailureLimits limits{.plastic_strain = read(yields, "failure_plastic_strain"),
-                       .damage = read(cracks, "failure_damage"),
-                       .crack_width = read(cracks, "failure_crack_width"),
                        .force = read(along, "failure_force"),
                        .strain = read(along, "failure_strain")};
   if (in.has("fade_steps") && !limits.any()) {

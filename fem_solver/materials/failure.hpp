@@ -13,17 +13,15 @@ namespace gabion::fem {
 /// never does.
 struct FailureLimits {
   std::optional<double> plastic_strain;  ///< the largest of a point, of a beam of a fibre
-  std::optional<double> damage;       ///< the larger of tension and compression, mean over a cell
-  std::optional<double> crack_width;  ///< mean over a cell [m]
   std::optional<double> force;        ///< tension of a line [N]
   std::optional<double> strain;  ///< of a line from its stress-free length, without its brake's run
   int fade_steps = 3;            ///< steps in which the stress of a failed cell falls to zero
 
-  bool any() const { return plastic_strain || damage || crack_width || force || strain; }
+  bool any() const { return plastic_strain || force || strain; }
 };
 
 /// What made a cell or line fail.
-enum class FailureReason { none, plastic_strain, damage, crack_width, force, strain };
+enum class FailureReason { none, plastic_strain, force, strain };
 
 /// Words of a reason, with its unit.
 std::string describe(FailureReason reason, double value, double limit);

@@ -9,7 +9,6 @@
 #include <numeric>
 #include <utility>
 
-#include "fem_solver/stress/cell_damage.hpp"
 
 namespace gabion::fem {
 
@@ -53,16 +52,12 @@ template <int dim>
 std::vector<Failure> failures_of(const CellBlock<dim>& block, std::span<const double>,
                                  std::span<const double> history) {
   const FailureLimits& limits = block.material().failure;
-  const std::vector<CellDamage> damage = block_damage(block, history);
   std::vector<Failure> failures;
   for (std::size_t c = 0; c < block.cells().size(); ++c) {
-    const CellDamage own = damage.empty() ? CellDamage{} : damage[c];
     failures.push_back(failure_beyond(
         block.cells()[c],
         {{FailureReason::plastic_strain, block.largest_plastic_strain(c, history),
-          limits.plastic_strain},
-         {FailureReason::damage, std::max(own.tensile, own.compressive), limits.damage},
-         {FailureReason::crack_width, own.crack_width, limits.crack_width}}));
+          limits.plastic_strain}}));
   }
   return failures;
 }

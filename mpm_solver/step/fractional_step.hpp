@@ -24,7 +24,7 @@ struct WaterOfStep {
 };
 
 /// Pressures of pore water that drains in the substeps of an explicit step, by a fractional step
-/// (docs/theory/water.md, (W19) to (W21)). The soil has moved under all other forces and the
+/// (docs/theory/water.md, (W21) to (W23)). The soil has moved under all other forces and the
 /// pressure before, to u*; the pressures q at the end of the substep add
 ///
 ///     u' = u* + dt^2 A(F) ,  F = f(q) - f before ,  A(f) = Q W Q f ,

@@ -190,6 +190,10 @@ TEST(FractionalStep, what_it_does_not_do_is_refused) {
   json = layer(2, 4, 1e-4);
   json["pools"] = {{{"level", 1}}};
   expect_error<ConfigError>([&] { mpm_settings<2>(json); }, {"/pools", "explicit", "implicit"});
+  json = layer(2, 4, 1e-4);
+  json["bodies"][0]["water"]["suction_limit"] = 1e4;
+  expect_error<ConfigError>([&] { mpm_settings<2>(json); },
+                            {"/bodies/0/water/suction_limit", "explicit", "implicit"});
 }
 
 }  // namespace
