@@ -144,6 +144,8 @@ class Script(ElementCase):
             result = self.run_script(soil, *words)
             self.assertEqual(result.returncode, 2, words)
             self.assertIn(part, result.stderr)
+        mud = self.write_json("mud.json", {"material": MUD})
+        self.assertIn("the option is --duration", self.run_script(mud, "--test", "isotropic", "--stress", 1e3).stderr)
         self.assertIn("watre", self.run_script(typo, "--test", "isotropic", "--stress", 1e5).stderr)
         self.assertIn("no.json", self.run_script(self.folder / "no.json", "--test", "isotropic").stderr)
 
