@@ -129,7 +129,7 @@ NewtonReport SeepageStep<dim>::iterate(bool first, const NewtonSettings& setting
   try {
     report = solve(tight);
   } catch (const ConvergenceError&) {
-    if (with_seepage_face_.empty()) throw;
+    if (!borders_.open()) throw;
     // Newton's method may have crept over the kink of outlets that open.
     water_->hold_outlets();
     x_ = start;
