@@ -51,10 +51,11 @@ def write_tables(folder: Path, scale: float, iterations: int) -> None:
                   4, 1, 0, 5 * t * (1 - t), *seconds(contact[t]), 0.01] for n, t in enumerate(times[1:])])
     count = {t: iterations if contact[t] else 1 for t in times[1:]}
     rows = [[n + 1, k, t - DT, DT, "converged" if k + 1 == count[t] else "going_on", 10.0 ** -(k + 4), 2e-8,
-             10.0**-k if k else "", 2e-4, 0.5, k] for n, t in enumerate(times[1:]) for k in range(count[t])]
+             10.0**-k if k else "", 2e-4, 0.5, k, 1 if k else 3, 1e-3 if k else 2e-3, 2e-3] for n, t in enumerate(times[1:]) for k in range(count[t])]
     write_table(folder / "iterations.csv",
                 ["step", "iteration", "time", "dt", "status", "displacement_residual", "displacement_limit",
-                 "force_residual", "force_limit", "omega", "columns"], rows)
+                 "force_residual", "force_limit", "omega", "columns", "soil_newton", "soil_seconds", "wall_seconds"],
+                rows)
 
 
 def write_frame(path: Path, points: np.ndarray, cells: np.ndarray | None, fields: dict) -> None:
@@ -158,7 +159,10 @@ def write_results(folder: Path, scale: float = 1.0, iterations: int = 5) -> Path
     write_series(folder / "fem", "structure", structure_frames())
     summary = {"program": "coupler", "completed": True, "end_time": END, "steps": STEPS, "cuts": 0,
                "coupling_iterations": {"mean_in_contact": iterations, "max": iterations},
-               "wall_seconds": {"total": 12.5}}
+               "wall_seconds": {"total": 12.5},
+               "participants": {name: {"cpu_seconds": {"largest_rank": cpu, "all_ranks": cpu},
+                                       "output_cpu_seconds": {"largest_rank": 0.1, "all_ranks": 0.1}}
+                                for name, cpu in (("soil", 8.0), ("structure", 2.0))}}
     (folder / "summary.json").write_text(json.dumps(summary))
     return folder
 

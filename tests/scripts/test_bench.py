@@ -319,6 +319,12 @@ class Studies(ScriptCase):
         self.assertEqual(free[:2], ["free flow", "150"])
         np.testing.assert_allclose([float(value) for value in free[2:]], [10, 7, 0, 2, 0], atol=1e-12)
         np.testing.assert_allclose([float(value) for value in contact[2:]], [10, 5, 1, 2, 1], atol=1e-12)
+        tables = {name: list(csv.reader((self.folder / f"{name}.csv").read_text().splitlines()))[1]
+                  for name in ("later iterations", "output")}
+        # Five iterations of 2 ms each, of which the soil has 2 ms in the first, 1 ms in a later one.
+        np.testing.assert_allclose([float(value) for value in tables["later iterations"][1:]],
+                                   [350, 5, 3, 1, 4 / 6, 4 / 10], atol=1e-12)
+        np.testing.assert_allclose([float(value) for value in tables["output"][1:]], [10, 0.2, 0.02], atol=1e-12)
 
     def test_codes(self) -> None:
         """Parts and rest add up to the step; a code that is not there is named."""
