@@ -41,9 +41,9 @@ std::vector<Key> failure_keys(bool lines) {
       key::integer("fade_steps",
                    "Accepted steps, of the size of that in which it fails, over which the stress "
                    "of a failed cell falls to zero, in dynamics no shorter than a wave needs to "
-                   "cross it; with one of the limits of failure.")
+                   "cross it; only with one of the limits of failure, 3 where it is not given.")
           .in(at_least(1))
-          .or_else(FailureLimits{}.fade_steps)
+          .or_none()
           .when("law", failing)};
   if (!lines) return keys;
   keys.push_back(key::number("failure_force", "N", "A line breaks when its tension exceeds this.")
@@ -75,7 +75,7 @@ FailureLimits read_failure(ConfigReader& in, const std::string& law) {
   if (in.has("fade_steps") && !limits.any()) {
     in.fail("fade_steps", "found without a limit of failure, allowed: with \"failure_...\"");
   }
-  limits.fade_steps = in.integer("fade_steps");
+  if (in.has("fade_steps")) limits.fade_steps = in.integer("fade_steps");
   return limits;
 }
 

@@ -19,6 +19,8 @@ constexpr double opposite_cosine = 0.9;
 // Where the other face ends in an inner corner of the wall, the way to it may lean by 70 degrees,
 // and be longer by a half than the wall is thick.
 constexpr double inner_corner_cosine = 0.34, inner_corner_reach = 1.5;
+// Faces that bend by less than 45 degrees, as those of rough ground, are no corner.
+constexpr double least_bend_cosine = 0.7;
 constexpr double same_place = 1e-6;  // share of two cells
 
 /// A box around the normals of some faces.
@@ -62,6 +64,7 @@ bool ends_in_corner(const Faces<dim>& faces, std::int32_t face, const Vector<dim
   const Vector<dim>& normal = faces.bounds[face].normal;
   return std::ranges::any_of(others, [&](std::int32_t u) {
     const SimplexBounds<dim>& other = faces.bounds[u];
+    if (other.normal.dot(normal) > least_bend_cosine) return false;
     if ((other.centre - place).dot(normal) <= tiny || other.is_beyond(place, tiny)) return false;
     return (faces.closest(u, place) - place).norm() <= tiny;
   });

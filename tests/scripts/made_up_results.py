@@ -51,7 +51,8 @@ def write_tables(folder: Path, scale: float, iterations: int) -> None:
                   4, 1, 0, 5 * t * (1 - t), *seconds(contact[t]), 0.01] for n, t in enumerate(times[1:])])
     count = {t: iterations if contact[t] else 1 for t in times[1:]}
     rows = [[n + 1, k, t - DT, DT, "converged" if k + 1 == count[t] else "going_on", 10.0 ** -(k + 4), 2e-8,
-             10.0**-k if k else "", 2e-4, 0.5, k, 1 if k else 3, 1e-3 if k else 2e-3, 2e-3] for n, t in enumerate(times[1:]) for k in range(count[t])]
+             10.0**-k if k else "", 2e-4, 0.5, k, 1 if k else 3, 1e-3 if k else 2e-3, 2e-3]
+            for n, t in enumerate(times[1:]) for k in range(count[t])]
     write_table(folder / "iterations.csv",
                 ["step", "iteration", "time", "dt", "status", "displacement_residual", "displacement_limit",
                  "force_residual", "force_limit", "omega", "columns", "soil_newton", "soil_seconds", "wall_seconds"],

@@ -144,8 +144,16 @@ std::vector<ContactSettings<dim>> slab_and_wall(double roughness, Random& random
   return pieces;
 }
 
+// Whether a face is behind another one along its normal.
+template <int dim>
+bool is_behind(const mpm::Faces<dim>& faces, std::size_t front, std::int32_t back) {
+  const Vector<dim> through =
+      faces.bounds[front].centre - faces.closest(back, faces.bounds[front].centre);
+  return through.dot(faces.bounds[front].normal) >= 0.9 * through.norm();
+}
+
 // Faces whose normals tell that none looks away from them are passed over: pairs are those of all
-// faces with each other.
+// faces with each other, besides those of inner corners, where the one is not behind the other.
 template <int dim>
 void check_pairs(double roughness, std::size_t num_pieces) {
   Random random;
@@ -162,11 +170,12 @@ void check_pairs(double roughness, std::size_t num_pieces) {
       const auto& front = faces.bounds[static_cast<std::size_t>(s)];
       if (front.normal.dot(faces.bounds[static_cast<std::size_t>(t)].normal) > -0.9) continue;
       const Vector<dim> through = front.centre - faces.closest(t, front.centre);
-      if (through.dot(front.normal) < 0.9 * through.norm()) continue;
+      if (!is_behind<dim>(faces, static_cast<std::size_t>(s), t)) continue;
       if (through.norm() < (1 - 1e-6) * 2 * cell) expected.push_back({s, t});
     }
   }
   for (const auto& pair : mpm::thin_pairs<dim>(faces, cell)) {
+    if (!is_behind<dim>(faces, static_cast<std::size_t>(pair.front), pair.back)) continue;
     found.push_back({pair.front, pair.back});
   }
   std::ranges::sort(found);
