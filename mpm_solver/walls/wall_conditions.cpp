@@ -196,7 +196,9 @@ bool WallConditions<dim>::holds(std::int32_t grid_node) const {
 
 template <int dim>
 bool WallConditions<dim>::hold_alike(std::int32_t a, std::int32_t b) const {
-  if (!holds(a) || !holds(b)) return holds(a) == holds(b);
+  const bool held = holds(a);
+  if (held != holds(b)) return false;
+  if (!held) return true;
   constexpr double round_off = 1e-12;
   const Node& one = nodes_[index_of(a)];
   const Node& other = nodes_[index_of(b)];

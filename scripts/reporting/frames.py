@@ -121,9 +121,10 @@ class Packer:
             if self.view.dim == 3:
                 mesh["front"] = text_of(self._front(structure, used, faces).astype("<u4"))
             packed["structures"].append(mesh)
-        packed["solids"], values = self.colours.pack(times)
-        for mesh, each in zip(packed["structures"], values):  # solids stand first
-            mesh["values"] = each
+        if self.colours.labels:
+            packed["solids"], values = self.colours.pack(times)
+            for mesh, each in zip(packed["structures"], values):  # solids stand first
+                mesh["values"] = each
         if self.view.dim == 3:
             packed["space"] = self._space(times, clouds, moving)
         return packed | self._walls(times) | self._ground()

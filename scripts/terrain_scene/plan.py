@@ -140,13 +140,12 @@ def raster_like(slope: Raster, reader: Reader, key: str, folder: Path) -> Raster
 def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
     if "material" in reader.values:
         given = reader.child("material", None)
-        if "law" in given.values:
-            given.number("density")  # the programs check the rest
-            return given.values
-        if "density" in given.values:
-            given.number("density")
-        notes.append(f"{given.where}: has no law, taken: {json.dumps(default)} but for what is given")
-        return default | given.values
+        material = given.values
+        if "law" not in material:
+            notes.append(f"{given.where}: has no law, taken: {json.dumps(default)} but for what is given")
+            material = default | material
+        Reader(material, given.where, None).number("density")  # the programs check the rest
+        return material
     notes.append(f"{reader.where}/material: not given, taken: {json.dumps(default)}")
     return default
 
