@@ -30,7 +30,7 @@ std::vector<int> allowed_cpus() {
   return cpus;
 }
 
-/// From the line "0::/path" of /proc/self/cgroup; empty: no groups of version 2.
+/// Path in the line "0::/path" of /proc/self/cgroup; empty: no groups of version 2.
 std::string own_group() {
   std::ifstream in("/proc/self/cgroup");
   for (std::string line; std::getline(in, line);) {

@@ -11,8 +11,9 @@ namespace gabion {
 /// counted once, and no more than the quota of its control group (version 2). At least 1.
 int usable_cores();
 
-/// Cores of the affinity mask that nobody uses, measured over so many seconds: a sum of shares, of
-/// each core that of its busiest hardware thread. None where the system does not say.
+/// Cores of the affinity mask that nobody uses, measured over so many seconds: the sum of their
+/// idle shares, where the share of a core is that of its busiest hardware thread. Empty where the
+/// system does not say.
 std::optional<double> idle_cores(double seconds);
 
 /// Idle cores, as idle_cores(), between two texts of /proc/stat.

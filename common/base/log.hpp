@@ -41,8 +41,8 @@ void error(fmt::format_string<Args...> text, Args&&... args) {
   write(Level::error, fmt::format(text, std::forward<Args>(args)...));
 }
 
-/// The error that ends the program, said once: the same text again is left out. Whoever knows it
-/// first says it, before telling others, whose ends may bring a signal that leaves no time for it.
+/// Log the error that ends the program, once: the same text again is left out. The first to know it
+/// logs it before telling others, whose ends may bring a signal that leaves no time for it.
 void last_error(const std::string& text);
 
 /// Whether a person watches stderr. Under mpirun it is a pipe even then; scripts/run sets

@@ -13,7 +13,7 @@ bool is_plain_ascii(char c) {
   return (c >= ' ' && c <= '~') || c == '\t';
 }
 
-/// Length in bytes of the character at the start of a text; 0: none of UTF-8 (RFC 3629).
+/// Length in bytes of the character at the start of a text; 0: it is not UTF-8 (RFC 3629).
 std::size_t character_length(std::string_view text) {
   const auto byte = [text](std::size_t k) { return static_cast<std::uint8_t>(text[k]); };
   const std::uint8_t first = byte(0);
@@ -26,14 +26,14 @@ std::size_t character_length(std::string_view text) {
   for (std::size_t k = 1; k < length; ++k) {
     if ((byte(k) & 0xC0) != 0x80) return 0;
   }
-  // Too long for its number, half of a pair of UTF-16, or behind the last character.
+  // The character is encoded too long, is half of a pair of UTF-16, or lies behind the last one.
   const bool wrong = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) > 0x9F) ||
                      (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) > 0x8F);
   return wrong ? 0 : length;
 }
 
-/// Whether a character of more than one byte is a control character, an end of line, or a mark that
-/// changes the direction of writing.
+/// Whether a terminal obeys a character of several bytes: a control character, an end of line, or a
+/// mark that changes the direction of writing.
 bool is_obeyed(std::string_view character) {
   return (character[0] == '\xC2' && static_cast<std::uint8_t>(character[1]) < 0xA0) ||
          (character >= "\xE2\x80\xA8" && character <= "\xE2\x80\xAE") ||

@@ -42,7 +42,7 @@ std::uintmax_t memory_bytes() {
          static_cast<std::uintmax_t>(sysconf(_SC_PAGE_SIZE));
 }
 
-/// Chunk by chunk: the size that the system tells may be another one, or change.
+/// Chunk by chunk: the size that the system reports may be wrong, or change.
 std::string read_all(std::ifstream& in, const std::string& path, const std::string& what) {
   std::string text;
   std::size_t size = 0;
@@ -78,7 +78,7 @@ std::string read_file(const std::string& path, const std::string& what) {
   try {
     if (error || size < memory_bytes()) return read_all(in, path, what);
   } catch (const std::bad_alloc&) {
-    // Said below.
+    // The caller reports the failure.
   }
   throw ConfigError(fmt::format("{}: found a {} of {} bytes, allowed: less than the memory holds",
                                 path, what, size));

@@ -6,8 +6,8 @@
 
 namespace gabion {
 
-/// Room for `size` values; where there is too little it becomes an eighth more than that. A vector
-/// that grows by itself doubles, so that half of a large one may stay empty.
+/// Make room for `size` values; where there is too little, the room becomes an eighth more than
+/// that. A vector that grows by itself doubles, so that half of a large one may stay empty.
 template <class Value>
 void reserve_tightly(std::vector<Value>& values, std::size_t size) {
   if (size > values.capacity()) values.reserve(size + size / 8);

@@ -15,8 +15,9 @@
 
 namespace gabion {
 
-/// The object "checkpoint" of coupler.json, or of a solver's own file when it runs alone. Whichever
-/// comes first; besides, at the end of the run and at a signal.
+/// The object "checkpoint" of coupler.json, or of a solver's own file when it runs alone. A
+/// checkpoint is due after so many steps or minutes, whichever comes first, and at the end of the
+/// run and at a signal.
 struct CheckpointSettings {
   std::int64_t steps = 0;  ///< accepted steps from one to the next, >= 1; 0: do not count
   double minutes = 10;     ///< wall time from one to the next [min] > 0; 0: do not count
@@ -43,7 +44,7 @@ class Checkpoints final : public RunKeeper {
     bool writes = true;  ///< false on all ranks but the first
     /// Names and Solver::save_state_to of the solvers; called by all ranks.
     std::vector<std::pair<std::string, std::function<State(const std::string&)>>> solvers;
-    /// Gives the same answer on all ranks: the largest of theirs.
+    /// Makes one answer of those of all ranks: the largest.
     std::function<int(int)> agree = [](int value) { return value; };
   };
   Checkpoints(const CheckpointSettings& settings, const Scene& scene, Parts parts,

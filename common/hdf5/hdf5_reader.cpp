@@ -67,8 +67,8 @@ bool fits(hid_t stored, const Room& room) {
   return is_unsigned ? size < room.bytes : size <= room.bytes;
 }
 
-/// Whether the values of a dataset are in this file, none of them elsewhere: a name inside a file
-/// must not lead to another one.
+/// Whether the values of a dataset are in this file: a name inside a file must not lead to another
+/// one.
 bool holds_own_values(hid_t dataset) {
   const Handle creation(H5Dget_create_plist(dataset), H5Pclose);
   if (creation.id() < 0) return false;

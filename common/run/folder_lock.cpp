@@ -75,7 +75,7 @@ std::string in_use(const fs::path& folder, const std::vector<LockOwner>& owners)
     return fmt::format("output folder {}: in use by another program, as {} tells; {}",
                        folder.string(), (folder / lock_name).string(), shortest_exit);
   }
-  // One that is known to live is the better answer.
+  // An owner that is known to live is the better answer.
   const auto alive = std::ranges::find_if(owners, [](const LockOwner& owner) {
     return look_up(owner.process) != ProcessState::unknown;
   });

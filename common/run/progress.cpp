@@ -13,8 +13,8 @@ namespace gabion {
 
 namespace {
 
-constexpr double live_period = 0.1;  // [s] wall between two pictures on a terminal
-constexpr double plain_period = 10;  // [s] wall between two log lines
+constexpr double live_period = 0.1;  // [s] wall time between two updates of a terminal's line
+constexpr double plain_period = 10;  // [s] wall time between two log lines
 constexpr double plain_fraction = 0.1;
 
 }  // namespace

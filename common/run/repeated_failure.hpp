@@ -10,9 +10,10 @@ namespace gabion {
 /// Cause of a ConvergenceError after which a smaller dt is of no use.
 inline constexpr const char* fails_at_any_dt = "fails_at_any_dt";
 
-/// Notices that a step without inertia fails in the same way with any dt. Newton's text has its
-/// residuals, of many the first and the last ones, and the worst node: it is the same with another
-/// dt only where load and supports are, as where a constant load acts at once.
+/// Notices that a step without inertia fails with any dt for one cause. It compares Newton's texts,
+/// which have the residuals (of many the first and the last ones) and the worst node: they are
+/// equal for another dt only where load and supports are equal, such as where a constant load acts
+/// at once.
 class RepeatedFailure {
  public:
   /// Look at what a try of a step without inertia threw.

@@ -65,7 +65,8 @@ void RunRecord::write_failure(const std::string& reason) const {
 }
 
 double OutputClock::multiples(double time) const {
-  constexpr double round_off = 1e-12;  // relative: a step that ends on a multiple counts as there
+  constexpr double round_off = 1e-12;  // relative tolerance: a step may end short of a multiple by
+                                       // rounding
   return time / interval_ * (1 + round_off);
 }
 

@@ -14,7 +14,7 @@
 
 namespace gabion {
 
-/// What the interface forces that a solver sends say of the step.
+/// Instant at which the interface forces that a solver sends act.
 enum class ForceKind {
   end_of_step,  ///< the forces at its end
   step_mean     ///< the mean force, constant over the step: its work is F . du, its impulse dt F
@@ -76,11 +76,11 @@ class Solver {
   virtual std::vector<InterfaceMesh> interfaces() const = 0;
   virtual std::vector<std::string> probe_names() const = 0;
 
-  /// Whether this solver has set_force_kinds(). One that has not takes all forces that it receives
-  /// as those of the end of the step.
+  /// Whether this solver has set_force_kinds(). A solver without it takes all forces that it
+  /// receives as those at the end of the step.
   virtual bool takes_force_kinds() const { return false; }
-  /// Say which forces it will receive. Between two steps, before the first one of a run; no part of
-  /// the state.
+  /// Say which forces it will receive, between two steps, before the first one of a run. They are
+  /// no part of the state.
   /// @throws Error  an interface that it does not have
   virtual void set_force_kinds(const ForceKinds&) {
     throw Error("this solver takes forces as those of the end of the step");

@@ -21,16 +21,17 @@ class DisplacedAtStart {
 class TakesStart {
  public:
   virtual ~TakesStart() = default;
-  /// Whether set_start will be answered; false where the solver behind this one has none.
+  /// Whether set_start will be answered; false where the solver behind this proxy has none.
   virtual bool takes_start() const { return true; }
-  /// Let the interfaces begin displaced [m]. Before the first step of a run that is no restart; a
-  /// saved state has it. Displacements that solve_step receives remain those from the reference.
+  /// Let the interfaces begin displaced [m]. Call it before the first step of a run that is no
+  /// restart; a saved state contains the start. Displacements that solve_step receives remain those
+  /// from the reference.
   /// @param displacements  of all interfaces
   /// @throws ConfigError  the solver cannot begin so, such as with soil inside a structure
   virtual void set_start(const InterfaceValues& displacements) = 0;
 };
 
-/// Displacements of the interfaces that begin displaced, of all others none.
+/// Displacements of the interfaces that begin displaced [m]; no entry for the others.
 inline InterfaceValues start_displacements(const Solver& solver) {
   const auto* displaced = dynamic_cast<const DisplacedAtStart*>(&solver);
   if (displaced == nullptr) return {};

@@ -160,7 +160,7 @@ const PlausibleRange structure_stiffness = {"material/young_modulus",
                                             "stiffer than any building material",
                                             pressures};
 
-/// The range of one key, for another one.
+/// The range of one key, for another key.
 PlausibleRange also_of(PlausibleRange range, const char* key) {
   range.key = key;
   return range;
@@ -206,7 +206,7 @@ class Search {
 
  private:
   /// @param pointer  of the value, such as "bodies/0/material"
-  /// @param keys     the same without numbers, with "/" in front
+  /// @param keys     the pointer without numbers, with "/" in front
   void visit(const Json& value, const std::string& pointer, const std::string& keys) {
     for (const PlausibleRange* range : ranges_) {
       if (keys.ends_with(std::string("/") + range->key)) compare(*range, value, pointer);

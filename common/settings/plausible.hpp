@@ -11,8 +11,9 @@ namespace gabion {
 /// What a file of settings describes.
 enum class Described { soil, structure };
 
-/// What to say of settings whose values are allowed, but look like another unit: a text each, with
-/// file, pointer, value and the units in which it would be plausible. Zero always is.
+/// Texts on settings whose values are allowed, but look like another unit: one for each, with file,
+/// pointer, value and the units in which it would be plausible. Zero is always plausible. @param in
+/// that has read all of them
 /// @param in  that has read all of them
 std::vector<std::string> implausible_settings(const ConfigReader& in, Described described);
 

@@ -14,8 +14,8 @@ namespace gabion {
 ///     0f…"}}}
 Json scene_identity(const Scene& scene);
 
-/// Allowed to differ: "/time/end", "/output", "/checkpoint", "/protocol" and "/$schema" of each
-/// file.
+/// Check that two runs are of one scene. These may differ: "/time/end", "/output", "/checkpoint",
+/// "/protocol" and "/$schema" of each file.
 /// @param saved   identity of the scene of an earlier run
 /// @param now     that of this one, in `folder`
 /// @param source  where the earlier run came from, for the message

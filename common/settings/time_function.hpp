@@ -8,7 +8,7 @@
 
 namespace gabion {
 
-/// A factor that depends on time: piecewise linear through its rows, held before the first and
+/// A factor that depends on time: piecewise linear through its rows, constant before the first and
 /// after the last one; or a ramp `slope * t` without end.
 class TimeFunction {
  public:

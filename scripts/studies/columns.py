@@ -149,7 +149,7 @@ FACTORS = {
 
 
 def column_factors(runner: Runner) -> None:
-    """The same column with one setting of the scene changed at a time."""
+    """The column of Bui et al. (2008) with one setting of the scene changed at a time."""
     compare(runner, FACTORS)
 
 

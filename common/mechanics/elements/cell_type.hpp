@@ -135,9 +135,9 @@ constexpr CellType facet_type(CellType type) {
 
 std::string name(CellType type);
 
-/// Largest number of nodes of a linear cell: those of the soil's grid are.
+/// Largest number of nodes of a linear cell; the cells of the soil's grid are linear.
 inline constexpr int max_cell_nodes = 8;
-/// The same of any cell, and of any facet.
+/// Largest number of nodes of any cell, and of any facet.
 inline constexpr int max_quadratic_nodes = 27;
 inline constexpr int max_facet_nodes = 9;
 

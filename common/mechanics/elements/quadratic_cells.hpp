@@ -27,7 +27,7 @@ void mirror_cell(CellType type, std::span<std::int32_t> nodes);
 /// among those of the facet, facets x linear_part_nodes(type). line3: 2 segments; tri6: 4
 /// triangles; quad8: 6 triangles; quad9: 4 quads; a linear facet: itself.
 std::span<const int> linear_parts(CellType facet_type);
-/// Nodes of each of them.
+/// Number of nodes of each of these linear facets.
 int linear_part_nodes(CellType facet_type);
 
 }  // namespace gabion

@@ -15,7 +15,7 @@ struct ShapeValues {
   Vector<dim> dN[max_nodes];  ///< by reference coordinates xi, or by x after `map_gradients`
 };
 
-/// The same with room for quadratic cells.
+/// Shape functions with room for quadratic cells.
 template <int dim>
 using AnyShapeValues = ShapeValues<dim, max_quadratic_nodes>;
 
@@ -53,7 +53,7 @@ inline void shape_functions(const Vector<dimension(type)>& xi, ShapeValues<dimen
 /// N_a(xi) and dN_a/dxi of a linear cell; dim 1 (line2), 2 and 3. @pre dimension(type) == dim
 template <int dim>
 void shape_functions(CellType type, const Vector<dim>& xi, ShapeValues<dim>& out);
-/// The same of any cell (quadratic_cells.cpp).
+/// N_a(xi) and dN_a/dxi of any cell (quadratic_cells.cpp).
 template <int dim>
 void shape_functions(CellType type, const Vector<dim>& xi, AnyShapeValues<dim>& out);
 

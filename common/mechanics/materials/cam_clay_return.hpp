@@ -10,7 +10,7 @@ namespace gabion {
 
 struct CamClayParameters {
   double compression = 0;         ///< lambda, -d ln J / d ln P of virgin compression, > kappa
-  double swelling = 0;            ///< kappa, the same of unloading, > 0
+  double swelling = 0;            ///< kappa, -d ln J / d ln P of unloading, > 0
   double critical_ratio = 0;      ///< M, q / P at the critical state, > 0
   double poisson_ratio = 0;       ///< at the pressure for which the shear modulus of a point is set
   double reference_pressure = 0;  ///< P_r at zero elastic strain [Pa], > 0
@@ -20,7 +20,7 @@ struct CamClayParameters {
   double shear_modulus_at(double P) const {
     return 1.5 * (1 - 2 * poisson_ratio) / (1 + poisson_ratio) * P / swelling;
   }
-  /// P at an elastic volumetric strain [Pa], and the other way round.
+  /// P at an elastic volumetric strain [Pa], and the strain at a P.
   double pressure_at(double volumetric) const {
     return reference_pressure * std::exp(-volumetric / swelling);
   }

@@ -35,7 +35,8 @@ struct DruckerPragerParameters {
 ///     eta = sin phi sqrt(1 + sin^2 psi / 3) / (1 + sin phi sin psi / 3) ,   strength = eta c cot
 ///     phi
 ///
-/// Compression and extension: eta = 6 sin phi / (sqrt(3) (3 -+ sin phi)), eta_bar the same of psi.
+/// Compression and extension: eta = 6 sin phi / (sqrt(3) (3 -+ sin phi)), eta_bar that expression
+/// of psi.
 PrincipalDruckerPrager cone_constants(const DruckerPragerParameters& parameters);
 
 /// Hencky elasticity with a non-associated Drucker-Prager cone in Kirchhoff stresses.

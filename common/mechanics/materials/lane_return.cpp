@@ -8,7 +8,8 @@ namespace gabion {
 
 namespace {
 
-// The series of the scalar functions hold for all lanes, or each lane goes its own way.
+// Where an argument is below this, the series is used for all lanes; otherwise each lane is
+// computed by itself.
 constexpr double small = 1.0 / 16;
 
 Lanes artanh_series(const Lanes& s) {

@@ -73,14 +73,14 @@ bool remembers_internal(const MaterialLaw<dim>& law) {
   return std::visit([]<class Law>(const Law&) { return RemembersInternal<Law>; }, law);
 }
 
-/// Stress update of whichever law it is, without a step: see ConstitutiveLaw.
+/// Stress update of the law of `material`, without a step: see ConstitutiveLaw.
 template <int dim>
 bool update(const MaterialLaw<dim>& law, const Matrix<dim>& H, const MaterialState<dim>& state_n,
             StressUpdate<dim>& out, Tangent<dim>* A) {
   return std::visit([&](const auto& model) { return model.update(H, state_n, out, A); }, law);
 }
 
-/// The same in a step; loops over many points dispatch once and call the law.
+/// Stress update in a step; loops over many points dispatch once and call the law.
 template <int dim>
 bool update(const LawInStep<MaterialLaw<dim>, dim>& material, const Matrix<dim>& H,
             const MaterialState<dim>& state_n, StressUpdate<dim>& out, Tangent<dim>* A) {

@@ -12,7 +12,7 @@ struct PrincipalMohrCoulomb {
   double lambda;    ///< [Pa]
   double mu;        ///< [Pa]
   double k;         ///< (1 + sin phi) / (1 - sin phi) >= 1
-  double m;         ///< the same of psi, 1 <= m <= k
+  double m;         ///< (1 + sin psi) / (1 - sin psi), 1 <= m <= k
   double strength;  ///< 2 c sqrt(k) [Pa]
 };
 
@@ -126,8 +126,8 @@ inline PrincipalReturn return_to_surface(const PrincipalMohrCoulomb& law,
   return {YieldFace::apex, eps_e, eps - eps_e};
 }
 
-/// The same for k = m = 1 and strength > 0, which has no apex: the plane return breaks at most one
-/// of the two orders, and the edge returns keep tau_1 - tau_3 = strength.
+/// return_to_surface() for k = m = 1 and strength > 0, which has no apex: the plane return breaks
+/// at most one of the two orders, and the edge returns keep tau_1 - tau_3 = strength.
 inline PrincipalReturn return_to_tresca(const PrincipalMohrCoulomb& law, const Eigen::Vector3d& eps,
                                         const Eigen::Vector3d& tau_trial) {
   const ActiveFace plane = active_face(law, YieldFace::plane);

@@ -30,7 +30,7 @@ class Newtonian {
   /// A step of no length has no viscous stress.
   bool update(const PointContext& context, const Matrix<dim>& H, const MaterialState<dim>& state_n,
               StressUpdate<dim>& out, Tangent<dim>* A) const;
-  /// The state at rest, which has pressure alone.
+  /// The response at rest: pressure alone.
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const {
     return update({.dt = std::numeric_limits<double>::infinity()}, H, state_n, out, A);

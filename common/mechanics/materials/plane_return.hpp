@@ -16,8 +16,8 @@ class PlaneReturn {
   /// Find P, what goes to `out` and, if `with_A`, A. False when a point has det(1 + H) <= 0 or no
   /// elastic state.
   bool update(PointBatch<2>& batch, bool with_A) const;
-  /// The same of those points that are elastic under surfaces of their own; which they are. What
-  /// `batch` holds of the others is undefined.
+  /// Like update(), of the points that stay elastic under surfaces of their own. What `batch` holds
+  /// of the others is undefined. @returns which points are elastic
   LaneMask update_elastic(PointBatch<2>& batch, const LaneStrength& surface, bool with_A) const;
 
  private:

@@ -57,7 +57,7 @@ Vector3d shear_slope(const SoftenedConstants& now, YieldFace face, const Vector3
   return -S_slope * active.c - S * c_slope;
 }
 
-// The same of any face.
+// d eps_e / d kappa on any face, at constant trial strain.
 Vector3d strain_slope(const SoftenedConstants& now, YieldFace face, const Vector3d& tau_trial) {
   const PrincipalMohrCoulomb& law = now.law;
   const double bulk = 3 * law.lambda + 2 * law.mu, T = now.cutoff_slope;

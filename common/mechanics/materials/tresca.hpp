@@ -42,7 +42,7 @@ class Tresca {
 
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const;
-  /// The same for four points at once; null with a tension cut-off.
+  /// Return of four points at once; null with a tension cut-off.
   const BatchReturn* batch_return() const { return batch_return_ ? &*batch_return_ : nullptr; }
   bool symmetric_tangent() const { return true; }
   double p_wave_modulus() const { return parameters_.lambda + 2 * parameters_.mu; }

@@ -13,9 +13,9 @@ namespace {
 using Vector6 = UmatCall::Vector6;
 using Eigen::Matrix3d;
 
-// Above this share of it, a stress differs from that of the elastic step.
+// A stress that differs from that of the elastic step by more than this share of it is not elastic.
 constexpr double elastic_step = 1e-6;
-// Energies below this share of the largest one are none.
+// Energies below this share of the largest one count as zero.
 constexpr double no_work = 1e-14;
 
 Matrix3d tensor(const Vector6& s) {

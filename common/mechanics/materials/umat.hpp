@@ -20,7 +20,7 @@ class Umat {
 
   explicit Umat(std::shared_ptr<const UmatModel> model) : model_(std::move(model)) {}
 
-  /// In virgin soil, see ConstitutiveLaw.
+  /// The response in virgin soil, see ConstitutiveLaw.
   bool update(const Matrix<dim>& H, const MaterialState<dim>& state_n, StressUpdate<dim>& out,
               Tangent<dim>* A) const {
     return update(PointContext{}, H, state_n, out, A);
@@ -37,7 +37,7 @@ class Umat {
                  std::span<double> variables) const;
   bool symmetric_tangent() const;
   double p_wave_modulus() const;  ///< of the stiffness at zero strain [Pa]
-  double shear_modulus() const;   ///< the same [Pa]
+  double shear_modulus() const;   ///< of the stiffness at zero strain [Pa]
   int num_variables() const;      ///< NSTATV
 
  private:

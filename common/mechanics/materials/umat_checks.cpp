@@ -19,7 +19,8 @@ using Matrix6 = UmatAnswer::Matrix6;
 constexpr double dt = 1e-3;           // of the trial increments [s]
 constexpr double difference = 1e-7;   // of a strain, for derivatives
 constexpr double exact = 1e-6;        // relative error of a derivative by such differences
-constexpr double poor = 1e-2;         // relative error of a tangent that is worth a word
+constexpr double poor = 1e-2;         // relative error of a tangent from which on a warning is
+                                      // given
 constexpr double same_stress = 1e-8;  // of a turned path
 constexpr std::array sizes = {1e-5, 1e-3, 1e-2};  // of the trial strains
 constexpr double visible = 1e-3;                  // change of a constant that has an effect
@@ -58,7 +59,7 @@ struct Trial {
   }
   UmatAnswer answer(double size) const { return model.call(from_virgin(size)); }
 
-  // The same with a filling behind PROPS, and another one behind STATEV.
+  // The answer with a filling behind PROPS, and another one behind STATEV.
   UmatAnswer answer(double size, double behind_constants, double behind_variables) const {
     std::vector<double> constants = model.constants();
     std::fill(constants.end() - umat_room, constants.end(), behind_constants);
@@ -141,7 +142,7 @@ void UmatModel::check_finite(const UmatAnswer& answer, const char* of) const {
       settings_.where, settings_.library, of, settings_.constants.size(), num_variables()));
 }
 
-// What lies behind PROPS and STATEV is none of a subroutine's business.
+// Check that a subroutine neither reads nor writes behind PROPS and STATEV.
 void UmatModel::check_room() const {
   const Trial trial{*this};
   const double no_number = std::numeric_limits<double>::quiet_NaN();

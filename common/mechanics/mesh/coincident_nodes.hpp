@@ -9,12 +9,12 @@
 
 namespace gabion {
 
-/// Nodes of a mesh that are no farther apart are in one place [m]: 1e-6 of its longest side, as
-/// the digits of a file may leave them apart, and at most a hundredth of its shortest cell edge.
+/// Distance up to which nodes of a mesh are in one place [m]: 1e-6 of its longest side, as the
+/// digits of a file may leave them apart, and at most a hundredth of its shortest cell edge.
 template <int dim>
 double coincidence_distance(const Mesh<dim>& mesh);
 
-/// For each node the node with the least number in its place: itself where it is alone. Nodes that
+/// The first node, by number, in the place of each node: itself where it is alone. Nodes that
 /// follow each other at no more than the distance are in one place. n log n for n nodes.
 template <int dim>
 std::vector<std::int32_t> nodes_in_place(std::span<const Vector<dim>> nodes, double distance);

@@ -20,7 +20,7 @@ std::string place_text(const Vector<dim>& x) {
   return fmt::format("({:.6g})", fmt::join(x.data(), x.data() + dim, ", "));
 }
 
-/// The part of each node; the parts get their cells and boxes.
+/// Find the part of each node, and give the parts their cells and boxes.
 template <int dim>
 std::vector<std::int32_t> find_parts(const Mesh<dim>& mesh, MeshConnection<dim>& connection) {
   DisjointSets sets(mesh.nodes.size());

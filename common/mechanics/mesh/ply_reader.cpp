@@ -68,7 +68,7 @@ std::int64_t count_of(SurfaceText& in, const std::string& word) {
   return count;
 }
 
-// What takes no byte has no end, and what the file cannot hold does not begin.
+// An element that takes no byte has no end, and one that the file cannot hold does not begin.
 void check(SurfaceText& in, const Element& element) {
   if (element.count == 0) return;
   if (element.properties.empty()) {

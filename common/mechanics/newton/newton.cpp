@@ -15,9 +15,11 @@ namespace gabion {
 namespace {
 
 constexpr int max_cuts = 8;
-constexpr int max_supported_cuts = 40;  // what nothing held may have to come back from far away
+constexpr int max_supported_cuts = 40;  // the most iterations: parts that nothing held may have to
+                                        // come back from far away
 constexpr double energy_reduction = 0.8;
-constexpr double reuse_reduction = 0.25;  // |r| after over before an old matrix
+constexpr double reuse_reduction = 0.25;  // largest ratio of |r| after to before a step with an old
+                                          // matrix
 constexpr double loosest_linear_tolerance = 1e-2;
 constexpr double linear_margin = 3e-1;
 
@@ -200,7 +202,7 @@ void Newton<block_size>::solve_linear() {
   step_size_ = problem_.shared().largest(worst_node<block_size>(step_).size);
 }
 
-// K alone has no solution, for this reason. @returns linear iterations
+// Solve where K alone has no solution, for this reason. @returns linear iterations
 template <int block_size>
 int Newton<block_size>::solve_supported(double tolerance, const std::string& reason) {
   if (!problem_.support(true)) fail(reason, "linear_solver");
@@ -257,7 +259,7 @@ bool Newton<block_size>::line_search() {
   return false;
 }
 
-// More stiffness at the kinks of r. @returns false where no more is possible or r has none
+// Add stiffness at the kinks of r. @returns false where no more is possible or r has none
 template <int block_size>
 bool Newton<block_size>::raise_regularisation() {
   if (!regularisation_.raise()) return false;
@@ -269,7 +271,8 @@ bool Newton<block_size>::raise_regularisation() {
   return true;
 }
 
-// A matrix that is singular but for round-off has a solution, along which nothing gets better.
+// Add support: a matrix that is singular but for round-off has a solution, along which nothing gets
+// better. @returns false where no part can be loose, or where support did not help
 // @returns false where no part can be loose, or where support did not help
 template <int block_size>
 bool Newton<block_size>::ask_for_support() {
@@ -368,8 +371,8 @@ void Newton<block_size>::fail(const std::string& reason, const std::string& caus
   const std::string point = problem_.describe_worst_point(du_);
   if (!point.empty()) worst += "; most strained " + point;
   throw ConvergenceError(
-      fmt::format("Newton, iteration {}: {}; {}; |r|/scale: {}", report_.iterations, reason,
-                  worst, series_text(report_.residuals)),
+      fmt::format("Newton, iteration {}: {}; {}; |r|/scale: {}", report_.iterations, reason, worst,
+                  series_text(report_.residuals)),
       cause);
 }
 

@@ -98,7 +98,7 @@ PetscSolver::Result LinearSolver<block_size>::Implementation::use_rescue(Solutio
   const LinearMethod direct{method, Preconditioner::none};
   const std::string how_long =
       chosen.direct() ? "matrix" : fmt::format("step and the next {}", pause_after().steps);
-  // Once in the open; a regime in which it happens again and again would flood the log.
+  // Warn once; a regime in which it happens again and again would flood the log.
   const auto level = fallbacks <= 1 ? log::Level::warn : log::Level::debug;
   log::write(level, fmt::format("linear solver: {} failed ({}), {} for this {}",
                                 main.method().name(), reason, direct.name(), how_long));

@@ -14,8 +14,9 @@
 namespace gabion {
 
 /// Exchange of rows of values by their numbers, from the ranks that have them to those that want
-/// them, such as a checkpoint read on another number of ranks. Each row passes through the rank
-/// that an even division of the numbers names (two star forests of PETSc), so no rank has all.
+/// them, such as those of a checkpoint that is read on another number of ranks. Each row passes
+/// through the rank that an even division of the numbers names (two star forests of PETSc), so no
+/// rank has all.
 class NumberedValues {
  public:
   /// @param given   numbers of the rows that this rank has, in any order

@@ -75,7 +75,7 @@ void PetscSolver::configure_preconditioner() {
   if (method_.preconditioner == Preconditioner::multigrid) return Multigrid::configure(pc);
   int size = 1;
   MPI_Comm_size(comm_, &size);
-  // On several ranks ILU(0) works on each rank's diagonal part: block Jacobi's default.
+  // The default of block Jacobi on several ranks is ILU(0) of each rank's diagonal part.
   const char* ilu = size == 1 ? PCILU : PCBJACOBI;
   const bool jacobi = method_.preconditioner == Preconditioner::jacobi;
   check_petsc(PCSetType(pc, jacobi ? PCPBJACOBI : ilu), "PCSetType");
