@@ -12,8 +12,7 @@ namespace gabion {
 enum class Described { soil, structure };
 
 /// Texts on settings whose values are allowed, but look like another unit: one for each, with file,
-/// pointer, value and the units in which it would be plausible. Zero is always plausible. @param in
-/// that has read all of them
+/// pointer, value and the units in which it would be plausible. Zero is always plausible.
 /// @param in  that has read all of them
 std::vector<std::string> implausible_settings(const ConfigReader& in, Described described);
 

@@ -18,9 +18,10 @@ namespace gabion::mpm {
 
 namespace {
 
-// The least radius is in cells: points of the soil do not see what is smaller.
+// Least radius of a boulder in cells, since points of the soil do not see what is smaller; and the
+// share of rounding allowed in it.
 constexpr double least_radius = 1.5, rounding = 1e-9;
-// Places that touch overlap by rounding, here as a share of the radius.
+// Shapes in contact at the start overlap by rounding; this share of the radius is allowed.
 constexpr double allowed_overlap = 1e-6;
 
 KeyTable shape_keys() {
@@ -210,7 +211,7 @@ void check_overlaps(const ConfigReader& in, std::size_t num_given,
   in.fail(fmt::format("boulders/{}/centre", overlap.body), text);
 }
 
-// Places of contact are vertices: two edges that cross have none.
+// Contact points are vertices: two edges that cross have none.
 template <int dim>
 void warn_of_edges(const ConfigReader& in, const BoulderScene<dim>& settings) {
   if (dim == 2) return;

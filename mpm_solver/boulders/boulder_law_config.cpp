@@ -9,9 +9,10 @@ namespace gabion::mpm {
 
 namespace {
 
-// The usual stiffness stops a sphere of this speed within this share of its radius.
+// The default stiffness stops a sphere that hits a wall at this speed [m/s] within this share of
+// its radius.
 constexpr double usual_speed = 10, usual_depth = 0.01;
-// Facets of rigid walls without a coefficient have this one too.
+// Coefficient of friction of facets that stick, as of rigid walls without a coefficient.
 constexpr double sticking = 100;
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace gabion::mpm {
 
 /// Energy and momentum of all boulders. The kinetic energy changes by the works of gravity, soil
-/// and contact with what is hard; the last one is stored, done on surfaces that move, or lost.
+/// and hard contact; the last one is stored, done on surfaces that move, or lost.
 class BoulderLedger {
  public:
   /// The step of `end` is accepted.
@@ -27,7 +27,8 @@ class BoulderLedger {
   void visit_state(StateVisitor& visitor);
 
  private:
-  // Sums since the start: work on all boulders; the last one is that of boulders on surfaces [J]
+  // Sums since the start [J]: work on all boulders of gravity, soil and hard contact; work of
+  // boulders on surfaces.
   double gravity_work_ = 0, soil_work_ = 0, contact_work_ = 0, surface_work_ = 0;
 };
 

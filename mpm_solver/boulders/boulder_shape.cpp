@@ -38,7 +38,7 @@ void close_extents(BoulderShape<dim>& shape) {
   shape.thickness = (high - low).minCoeff();
 }
 
-// The least extent across a facet; of many facets some are looked at.
+// The least extent across a facet; of many facets only some are looked at.
 template <int dim>
 double width_across_facets(const ContactSurface<dim>& surface) {
   const std::size_t count = surface.facets.size() / dim;
@@ -57,7 +57,7 @@ double width_across_facets(const ContactSurface<dim>& surface) {
   return least;
 }
 
-// Each triangle into four; on the midpoints of edges one vertex.
+// Divide each triangle into four, with one vertex on the midpoint of each edge.
 void divide(ContactSurface<3>& surface) {
   std::map<Edge, std::int32_t> middles;
   const auto middle = [&](std::int32_t i, std::int32_t j) {
@@ -113,7 +113,8 @@ ContactSurface<3> unit_sphere(std::integral_constant<int, 3>) {
   return surface;
 }
 
-// One square of a box: lattice points of it are vertices once, by their numbers along the axes.
+// One square face of a box, whose lattice points become vertices once, found by their numbers along
+// the axes.
 struct BoxLattice {
   Vector<3> size;
   std::array<int, 3> cells;

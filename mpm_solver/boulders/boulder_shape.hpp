@@ -37,7 +37,7 @@ BoulderShape<dim> ellipsoid_shape(const Vector<dim>& axes, double density);
 template <int dim>
 BoulderShape<dim> surface_shape(ContactSurface<dim> surface, double density);
 
-/// Mass of what a closed surface of segments or triangles holds.
+/// Mass of the body that a closed surface of segments or triangles encloses [kg].
 template <int dim>
 BodyMass mass_within(const ContactSurface<dim>& surface, double density);
 

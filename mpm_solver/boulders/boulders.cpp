@@ -84,7 +84,7 @@ Boulders<dim>::Boulders(const BoulderScene<dim>& settings)
   forces_.assign(facets_.size() - static_cast<std::size_t>(boulders), Vector<3>::Zero());
 }
 
-// The interfaces, then the rigid walls that are no boulders.
+// The surfaces that boulders may meet: interfaces, then rigid walls that are no boulders.
 template <int dim>
 Obstacle Boulders<dim>::obstacle(std::size_t surface) const {
   Obstacle result{.facets = facets_[surface]};
@@ -98,7 +98,7 @@ Obstacle Boulders<dim>::obstacle(std::size_t surface) const {
   return result;
 }
 
-// Empty: it acts no more.
+// An empty surface acts no more.
 template <int dim>
 Obstacle Boulders<dim>::obstacle_in_step(std::size_t surface, const Request& request) const {
   Obstacle result = obstacle(surface);
@@ -153,7 +153,7 @@ void Boulders<dim>::place(Surfaces<dim>& surfaces) const {
   }
 }
 
-// Moments about the centres of mass at the start of the step, where the soil takes its own.
+// Moments about the centres of mass at the start of the step, which the soil refers to as well.
 template <int dim>
 std::vector<BodyLoad> Boulders<dim>::soil_loads(std::span<const double> forces) const {
   constexpr std::size_t width = dim == 2 ? 3 : 6;
@@ -168,7 +168,8 @@ std::vector<BodyLoad> Boulders<dim>::soil_loads(std::span<const double> forces) 
   return loads;
 }
 
-// Difference of two sets of loads, as the displacement that it makes at the end of the step [m].
+// Difference of two sets of loads, measured by the displacement that it causes at the end of the
+// step [m].
 template <int dim>
 std::vector<double> Boulders<dim>::difference(const std::vector<BodyLoad>& loads) const {
   std::vector<double> result;

@@ -15,7 +15,7 @@
 
 namespace gabion::mpm {
 
-/// What boulders meet. Refers to the settings of the run.
+/// The surroundings of boulders. Refers to the settings of the run.
 template <int dim>
 struct BoulderScene {
   const BackgroundGrid<dim>& grid;
@@ -26,7 +26,7 @@ struct BoulderScene {
   const std::vector<BoulderSettings<dim>>& boulders;
 };
 
-/// What boulders meet by MpmSettings, which may have given away its grid.
+/// The surroundings of boulders by MpmSettings, which may have given away its grid.
 template <int dim, class Settings>
 BoulderScene<dim> boulder_scene(const Settings& settings, const BackgroundGrid<dim>& grid) {
   return {grid,
@@ -55,9 +55,9 @@ class Boulders {
     double tolerance = 0;                       ///< of the places of boulders [m]
   };
   void begin(const Request& request);
-  /// Put the surfaces to where the boulders would be at the end.
+  /// Move the surfaces to where the boulders would be at the end of the step.
   void place(Surfaces<dim>& surfaces) const;
-  /// Move by the forces of the soil.
+  /// Move the boulders by the forces of the soil.
   /// @param forces  Surfaces::forces_on_walls
   /// @returns whether the boulders are where they were placed
   /// @throws ConvergenceError  soil and boulders do not come together
@@ -66,7 +66,7 @@ class Boulders {
   void refuse_exits() const;
   void accept();
 
-  /// Whether a boulder may touch an interface in the step.
+  /// Whether a boulder may come into contact with an interface in the step.
   bool may_touch_interface() const;
   /// Add the mean forces of the boulders in the last step to those of the soil.
   void add_forces(InterfaceValues& forces) const;

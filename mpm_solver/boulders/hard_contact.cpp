@@ -21,7 +21,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // gives.
 constexpr double ahead = 1.5;
 constexpr double least_ahead = 0.05;  // of the smallest radius
-// Scenes about the origin keep it; a power of two [m].
+// Scenes near the origin keep it: places are referred to multiples of this length, a power of two
+// [m].
 constexpr double origin_unit = 1024;
 constexpr int most_halvings = 12, most_looks = 4, most_substeps = 100000;
 
@@ -67,7 +68,7 @@ void HardContact::add_pairs(std::int32_t a, std::int32_t b, const Under& under, 
       const double distance = (under.sphere(a, k, false) - under.s0[b].x).norm();
       counts[k] = distance > bodies_[b].radius + reach ? 0 : 1;
     }
-    // The shape's own vertices come first to what does not stick out.
+    // Where an obstacle does not stick out, the vertices of the shape meet it first.
     counts = sticking_out(o.facets, dim_, o.start, std::move(counts));
   }
   for (std::int32_t k = 0; k < num_spheres; ++k) {
@@ -195,7 +196,7 @@ void HardContact::add_substep(const Under& under, double share, Sums& sums, End&
   end.memories = std::move(sums.memories);
 }
 
-// Far from the origin the rounding of places would be that of all they lead to.
+// Far from the origin the rounding of places would enter all that follows from them.
 HardContact::End HardContact::solve(const Start& start, const Step& step) const {
   const Vector<3> origin = origin_near(start.states);
   if (!origin.isZero(0)) {
@@ -213,7 +214,7 @@ HardContact::End HardContact::solve(const Start& start, const Step& step) const 
   return solve_here(start, step);
 }
 
-// What springs give back may be faster than what the step began with.
+// Springs may make bodies faster than they were at the start of the step.
 HardContact::End HardContact::solve_here(const Start& start, const Step& step) const {
   double reach = look_ahead(start, step);
   End end;

@@ -13,7 +13,7 @@
 
 namespace gabion::mpm {
 
-/// What a boulder does where it meets something hard. Two boulders have the smaller coefficients of
+/// Law of a boulder's contact with something hard. Two boulders have the smaller coefficients of
 /// both, and the stiffnesses in series; walls and terrain have those of the boulder.
 struct HardLaw {
   double friction = 0.5;     ///< Coulomb's coefficient
@@ -37,14 +37,14 @@ struct HardBody {
   HardLaw law = {};
 };
 
-/// A surface whose vertices move evenly in a step. It touches what comes from where its normals
-/// point to.
+/// A surface whose vertices move evenly in a step. It is in contact only with bodies that come from
+/// the side to which its normals point.
 struct Obstacle {
   std::vector<Vector<3>> start = {}, end = {};  ///< [m]
   std::vector<HardFacet> facets = {};
 };
 
-/// Memory of contact points.
+/// Memory of one contact point.
 struct HardMemory {
   double gap = 0;     ///< at the end of the last substep; what it stores is not lost or made [m]
   double offset = 0;  ///< <= 0, of that gap: how deep a sphere was when it was first seen there [m]
@@ -63,9 +63,8 @@ class HardContact {
  public:
   /// @param dim      2: facets are segments in the plane of the first two coordinates
   /// @param gravity  [m/s^2]
-  /// @param giving   the first obstacles that give way to the force on them, as structures do:
-  /// there
-  ///                 it depends smoothly on the motion
+  /// @param giving   number of obstacles, the first ones, that move under the force on them, as
+  ///                 structures do: there the force depends smoothly on the motion
   HardContact(int dim, std::vector<HardBody> bodies, const Vector<3>& gravity, int giving = 0);
 
   struct Start {
@@ -83,8 +82,8 @@ class HardContact {
   struct End {
     std::vector<BodyState> states = {};
     HardMemories memories = {};
-    std::vector<double> works = {};       ///< of the contacts on each body [J]
-    std::vector<double> load_works = {};  ///< of Step::loads on each body [J]
+    std::vector<double> works = {};       ///< work of the contacts on each body [J]
+    std::vector<double> load_works = {};  ///< work of Step::loads on each body [J]
     std::vector<BodyLoad> loads = {};     ///< mean, of the contacts on each body
     std::vector<std::vector<Vector<3>>> nodal_forces =
         {};  ///< mean, on the vertices of obstacles [N]

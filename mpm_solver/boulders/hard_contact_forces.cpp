@@ -12,7 +12,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Gap rates below which the factor of the restitution blends from loading to unloading, and the
-// least closing speed of what gives [m/s].
+// least closing speed at surfaces that move under the force [m/s].
 constexpr double blend_speed = 0.02;
 constexpr double usual_gravity = 9.81;
 
@@ -24,7 +24,7 @@ double mean_force(double g0, double g1) {
   return (a * a * a - b * b * b) / (3 * (g1 - g0));
 }
 
-// What the springs keep of the energy of an impact.
+// Share of the energy of an impact that the springs keep.
 double kept(double e) {
   return (1 + e * e) / 2;
 }
@@ -33,7 +33,7 @@ double restitution_factor(double e, double rate) {
   return kept(e) - (1 - e * e) / 2 * std::clamp(rate / blend_speed, -1.0, 1.0);
 }
 
-// A spring that gives way at a limit: it takes energy or keeps it.
+// A spring that slips at a limit: it dissipates energy or keeps it.
 Vector<3> spring(const Vector<3>& stretched, double stiffness, double limit) {
   const double size = stiffness * stretched.norm();
   return size <= limit ? stretched : Vector<3>(stretched * (limit / size));
@@ -73,7 +73,8 @@ bool HardContact::gives(std::int32_t a, std::int32_t b) const {
   return obstacle >= 0 && obstacle < giving_;
 }
 
-// On what gives, a damped spring that never pulls; the damping takes energy at any rate.
+// At surfaces that move under the force: a damped spring that never pulls; its damping takes energy
+// at any rate.
 double HardContact::normal_force(const Under& under, const Place& place, const HardLaw& law,
                                  HardMemory& memory) const {
   const double rate = (place.g1 - place.g0) / under.h;
@@ -93,7 +94,7 @@ void HardContact::add_place(const Under& under, const Place& place, Sums& sums) 
   const double N = normal_force(under, place, law, memory);
   if (memory.normal.dot(n) < same_normal) memory.slip = memory.turn = Vector<3>::Zero();
   memory.normal = n;
-  // What was deep when it was first seen is so no more when it comes out.
+  // A place that was deep when it was first seen loses that depth when it comes out.
   const double gap = place.g1 + place.offset;
   memory.offset = std::min(0.0, std::max(place.offset, gap));
   memory.gap = gap - memory.offset;

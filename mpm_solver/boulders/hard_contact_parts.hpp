@@ -33,7 +33,7 @@ struct HardContact::Place {
   double g0 = 0, g1 = 0, offset = 0;
   double distance = 0;                      // of the middles of the sphere and of the surface there
   Vector<3> direction = Vector<3>::Zero();  // from b to a, of length 1
-  Vector<3> normal = Vector<3>::Zero();     // near to it; n . (relative way) is g1 - g0
+  Vector<3> normal = Vector<3>::Zero();     // near to it; n . (relative displacement) is g1 - g0
   Vector<3> x = Vector<3>::Zero();          // in the middle of the substep
   HardMemory known;
 
@@ -78,7 +78,7 @@ struct HardContact::Under {
   bool is_body(std::int32_t c) const { return c < static_cast<std::int32_t>(bodies.size()); }
   bool is_free(std::int32_t c) const { return is_body(c) && step.held[c] == 0; }
   const Obstacle& obstacle(std::int32_t c) const { return step.obstacles[c - bodies.size()]; }
-  // One sphere and one surface have all their pairs next to each other.
+  // Visit the pairs by sphere and surface, whose pairs follow each other.
   template <class Visit>
   static void for_groups(const std::vector<Pair>& pairs, const Visit& visit) {
     for (std::size_t k = 0, end = 0; k < pairs.size(); k = end) {
@@ -112,7 +112,7 @@ struct HardContact::Under {
   BodyMove move(std::int32_t c) const {
     return step.held[c] != 0 ? BodyMove{} : move_of(s0[c], s1[c], h);
   }
-  // Way of what is at x in the middle of the substep.
+  // Displacement in the substep of the point that is at x in its middle [m].
   Vector<3> path(std::int32_t c, const Vector<3>& x, const Place& place) const {
     if (is_body(c)) {
       const BodyMove moved = move(c);

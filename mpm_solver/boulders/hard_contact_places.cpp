@@ -13,9 +13,11 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // A sphere that is deeper than this share of its radius is on the other side of a surface.
 constexpr double deepest = 0.25;
-// What comes to a surface from its front is behind it by rounding, a share of the radius.
+// A point that comes from the front may be behind a surface by rounding, up to this share of the
+// radius.
 constexpr double entry = 1e-6;
-// Gaps that differ by more than this share, besides the way in a substep, are of two places.
+// Gaps that differ by more than this share beyond the displacement of a substep belong to two
+// places.
 constexpr double same_gap = 1e-3;
 
 }  // namespace
@@ -29,7 +31,7 @@ bool HardContact::is_point(const Pair& pair, const Under& under) const {
   return pair.facet >= 0 && under.sphere_radius(pair.a) == 0;
 }
 
-// A point touches where a surface is nearest to it, if it came there from its front.
+// A point is in contact at the nearest place of a surface, if it came there from the front.
 bool HardContact::point_place(std::span<const Pair> group, const Under& under,
                               const HardMemories& memories, Place& place) const {
   const auto [a, sphere, b, facet] = group.front();
@@ -54,7 +56,8 @@ bool HardContact::point_place(std::span<const Pair> group, const Under& under,
   place.x = 0.5 * (c[0] + c[1]);
   const Vector<3> normal = mean_normal(nearest, start[nearest.facet], end[nearest.facet], c);
   const Vector<3> path = under.relative_motion(place);
-  // A gap that changes by more than the way is that of a point that goes round a free border.
+  // A gap that changes by more than the displacement belongs to a point that goes round a free
+  // border.
   if (!is_known && n0.gap - n1.gap > (1 + entry) * path.norm() + rounding) return false;
   place.direction = normal.normalized();
   place.normal =
@@ -94,8 +97,8 @@ bool HardContact::locate(const Pair& pair, const Under& under, Place& place) con
   return true;
 }
 
-// A sphere may touch faces, then edges and corners that are nearer than all facets around them and
-// belong to no face that it touches.
+// A sphere has contact points on faces, and on edges and corners that are nearer than all facets
+// around them and belong to no face in contact.
 std::vector<HardContact::Place> HardContact::sphere_places(std::span<const Pair> group,
                                                            const Under& under) const {
   std::vector<Place> found, places, edges;
@@ -128,8 +131,8 @@ std::vector<HardContact::Place> HardContact::sphere_places(std::span<const Pair>
   return places;
 }
 
-// A place goes on from the gap that it had, whatever of the surface is nearest now. One that is
-// seen first where the sphere is inside begins there without a force.
+// A place keeps the gap that it had, whichever part of the surface is nearest now. A place that is
+// first seen when the sphere is inside begins there without a force.
 void HardContact::recall(const Under& under, const std::vector<HardMemory>& known,
                          std::vector<Place>& places) const {
   std::vector<char> used(known.size(), 0), done(places.size(), 0);

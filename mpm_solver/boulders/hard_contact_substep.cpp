@@ -17,8 +17,8 @@ constexpr double substep_share = 0.1;
 // A pair that is farther apart than this many times the displacement in the last substep is not
 // looked at again until it may be nearer.
 constexpr double far = 20;
-// Pairs that may be near are within this many times the displacement by the speeds at the start of
-// a substep.
+// Pairs that may come near are nearer than this many times the displacement of a substep by the
+// speeds at its start.
 constexpr double near = 1.5;
 constexpr int most_iterations = 60, most_stalls = 3;
 // Changes of places, over a radius and the distance from the origin of solve(), that end a
@@ -92,7 +92,7 @@ double HardContact::substep(const Under& under, std::vector<Watched>& watched,
       look_at(place);
       w.apart = std::min(w.apart, place.g0);
     }
-    if (w.apart == infinity) w.apart = 0;  // it may yet come out of what it is behind
+    if (w.apart == infinity) w.apart = 0;  // it may yet come out from behind the surface
   }
   if (nearest > 1.2 * closing * remaining) return remaining;
   for (const double rate : rates) fastest = std::max(fastest, rate);
@@ -102,7 +102,7 @@ double HardContact::substep(const Under& under, std::vector<Watched>& watched,
   return std::min(remaining, h);
 }
 
-// What loads do to the places of bodies in a substep, over the rounding of these.
+// Displacements of the bodies by the loads in a substep, over the rounding of their places.
 std::vector<double> HardContact::effect(const Under& under, const Sums& from,
                                         const Sums& to) const {
   std::vector<double> result;
@@ -128,7 +128,7 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
   sums = {.loads = std::vector<BodyLoad>(bodies_.size())};
   AitkenRelaxation relaxation;
   double least = infinity;
-  int stalls = 0;  // iterations in a row that brought no least change
+  int stalls = 0;  // iterations in a row without a new smallest change
   for (int k = 0; k < most_iterations; ++k) {
     for (std::size_t c = 0; c < bodies_.size(); ++c) {
       if (under.step.held[c] != 0) continue;

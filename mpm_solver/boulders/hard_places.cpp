@@ -39,7 +39,7 @@ double share_of(const HardFoot& foot, const HardCorners& c) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// What is not along the edge, if the foot is on one.
+// The part of a vector across the edge, if the foot is on one.
 Vector<3> across(const HardFoot& foot, const HardCorners& c, const Vector<3>& d) {
   if (foot.count == 2 || foot.support != 2) return d;
   int i = 0, j = 2;
@@ -86,7 +86,7 @@ HardFoot foot_of(const HardCorners& corners, const Vector<3>& y) {
       take_edge(corners, k, y, best, foot);
     }
   }
-  // What is above the border of a face is above the face.
+  // A point above the border of a face is above the face.
   const auto in_use = std::ranges::count_if(foot.weights, [](double w) { return w > 0; });
   foot.support = inside ? corners.count : static_cast<int>(in_use);
   foot.on_border = in_use < corners.count;

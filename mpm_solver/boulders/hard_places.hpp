@@ -48,8 +48,8 @@ struct HardNearest {
 
 HardNearest nearest_of(std::span<const HardCorners> facets, const Vector<3>& y);
 
-/// Distances at the start and at the end of a displacement, and the direction with
-/// normal . (relative way) = g1 - g0.
+/// Distances at the start and at the end of a displacement, and the direction with normal .
+/// (relative displacement) = g1 - g0.
 struct HardGap {
   double g0 = 0, g1 = 0;
   Vector<3> normal = Vector<3>::Zero();
@@ -59,9 +59,9 @@ struct HardGap {
 /// @param y  at the start and at the end
 Vector<3> mean_normal(const HardNearest& nearest, const HardCorners& start, const HardCorners& end,
                       const std::array<Vector<3>, 2>& y);
-/// A direction moved along the way such that normal . way is the change of the gap, whatever is
-/// nearest at the two ends (the discrete gradient of Gonzalez).
-/// @param scale  of the coordinates: what is less than their rounding is left [m]
+/// A direction moved along the displacement such that normal . displacement is the change of the
+/// gap, whatever is nearest at the two ends (the discrete gradient of Gonzalez).
+/// @param scale  of the coordinates: changes below their rounding are left out [m]
 Vector<3> along_motion(const Vector<3>& normal, const Vector<3>& path, double change, double scale);
 
 /// Gap from the differences of two points.

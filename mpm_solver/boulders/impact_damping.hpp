@@ -3,7 +3,7 @@
 
 namespace gabion::mpm {
 
-/// Restitutions below this one are this one for impact_damping().
+/// Least restitution for impact_damping(): smaller ones count as this one.
 inline constexpr double least_damped_restitution = 0.01;
 
 /// The damping a of Hunt and Crossley's force k d^n (1 + (a / v_0) dd/dt), with which a mass that

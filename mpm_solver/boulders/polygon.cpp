@@ -31,7 +31,7 @@ Box box_of(const Vector<2>& a, const Vector<2>& b) {
   return Box(a).extend(b);
 }
 
-// Sides on one line have a sign by rounding only: whether they overlap their boxes say.
+// For sides on one line the sign is rounding only; their boxes decide whether they overlap.
 bool do_meet(const Vector<2>& a, const Vector<2>& b, const Vector<2>& c, const Vector<2>& d) {
   return box_of(a, b).intersects(box_of(c, d)) && cross(a, b, c) * cross(a, b, d) <= 0 &&
          cross(c, d, a) * cross(c, d, b) <= 0;

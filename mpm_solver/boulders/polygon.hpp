@@ -15,10 +15,11 @@ double signed_area(const Polygon& polygon);
 
 bool is_inside(const Polygon& polygon, const Vector<2>& x);
 
-/// From its nearest side [m].
+/// Distance of a point from the nearest side [m].
 double distance_to(const Polygon& polygon, const Vector<2>& x);
 
-/// @throws ConfigError  a corner stands twice in a row, or two sides meet elsewhere than in a corner
+/// @throws ConfigError  a corner stands twice in a row, or two sides meet elsewhere than in a
+/// corner
 ///                      that they share: which, where
 void require_simple(const Polygon& polygon);
 

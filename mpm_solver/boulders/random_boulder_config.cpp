@@ -223,7 +223,7 @@ double volume_of(double size, int dim) {
   return dim == 2 ? pi / 4 * size * size : pi / 6 * size * size * size;
 }
 
-// The largest first, which then find room the easiest.
+// Sizes, the largest first, so that the largest boulders find room [m].
 std::vector<double> draw_sizes(ConfigReader& in, int dim, double region, RandomNumbers& random) {
   const bool counted = in.has("count");
   if (counted == in.has("volume_share")) {

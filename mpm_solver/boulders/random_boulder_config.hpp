@@ -12,8 +12,8 @@ namespace gabion::mpm {
 KeyTable random_boulder_keys();
 
 /// Read an entry and draw its boulders, NAME_1 to NAME_N, the largest first; log how many, how
-/// large and heavy they are. The same settings give the same boulders.
-/// @param among  what they must not touch; its boulders are those that are placed already
+/// large and heavy they are. Equal settings give equal boulders.
+/// @param among  what they must not overlap; its boulders are those that are placed already
 /// @throws ConfigError  also where there is no room for them
 template <int dim>
 std::vector<BoulderSettings<dim>> read_random_boulders(ConfigReader& in,

@@ -11,8 +11,7 @@
 
 namespace gabion::mpm {
 
-/// A box along the axes, or what has its place in the first two coordinates in a polygon, in 3D
-/// between two heights.
+/// A box along the axes, or a polygon in the first two coordinates, in 3D between two heights.
 template <int dim>
 struct RandomRegion {
   Eigen::AlignedBox<double, dim> box;  ///< it, or that around the polygon [m]
@@ -23,9 +22,9 @@ struct RandomRegion {
   bool holds(const Vector<dim>& centre, double radius) const;
 };
 
-/// Places for spheres around boulders: in a region, apart from each other, from other boulders and in
-/// front of interfaces and rigid walls as they are at time 0. One sphere after the other, each where
-/// the first draw has room (random sequential addition).
+/// Places for spheres around boulders: in a region, apart from each other, from other boulders and
+/// in front of interfaces and rigid walls as they are at time 0. One sphere after the other, each
+/// where the first draw has room (random sequential addition).
 template <int dim>
 class RandomPlaces {
  public:

@@ -10,7 +10,7 @@ namespace gabion::mpm {
 namespace {
 
 constexpr int most_iterations = 30;
-// A change of the angular velocity by less than this share is rounding.
+// Relative change of the angular velocity that is rounding.
 constexpr double rounding = 1e-15;
 
 Matrix<3> hat(const Vector<3>& a) {

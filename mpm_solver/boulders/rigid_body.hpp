@@ -47,7 +47,7 @@ BodyState advance(const BodyMass& mass, const BodyState& start, const BodyLoad& 
 BodyMove move_of(const BodyState& start, const BodyState& end, double dt);
 
 double kinetic_energy(const BodyMass& mass, const BodyState& state);
-/// About the centre of mass, in space [kg m^2/s].
+/// Angular momentum about the centre of mass, in axes of space [kg m^2/s].
 Vector<3> angular_momentum(const BodyMass& mass, const BodyState& state);
 
 }  // namespace gabion::mpm

@@ -12,8 +12,8 @@
 namespace gabion::mpm {
 
 /// Take the points out that lie in boulders of BoulderSettings::removes_soil at the start, with
-/// their centre or deeper than a contact sphere may; log their mass beside that which the volume of
-/// the boulder would have.
+/// their centre or deeper than a contact sphere may; log their mass, and the mass of soil in the
+/// volume of the boulder.
 /// @param walls  of the run, those of the boulders at the end
 /// @throws ConfigError  a body would have no points left
 /// @note Collective.

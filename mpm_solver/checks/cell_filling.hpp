@@ -10,9 +10,9 @@ namespace gabion::mpm {
 /// share.
 inline constexpr double even_filling = 0.01;
 
-/// Largest difference between the volume of the points in a cell and the cell's own, over the
-/// latter, in cells inside the soil: all cells around their nodes are filled by `least_filling`.
-/// It is 0 where the meshes of the bodies fit the cells of the grid; 0 too where no cell is inside.
+/// Largest difference between the volume of the points in a cell and that of the cell, over the
+/// latter, among cells inside the soil: all cells around their nodes are filled by `least_filling`.
+/// It is 0 where the meshes of the bodies fit the cells of the grid, and where no cell is inside.
 /// Points outside the grid do not count.
 /// @param layouts  bodies as they will be laid
 template <int dim>

@@ -25,8 +25,9 @@ std::vector<CutCells> cut_cells_at(const std::vector<StartSurface<dim>>& surface
                                    const BackgroundGrid<dim>& grid,
                                    const MaterialPoints<dim>& points);
 
-/// What to say of surfaces that cut cells of soil that rests on them, where the linear basis has
-/// the stresses of a cell from the few points in it; empty: none does, or soil is not at rest.
+/// Warnings of surfaces that cut cells of soil at rest on them, where the linear basis has the
+/// stresses of a cell from the few points in it. Empty: no surface does, or the soil is not at
+/// rest.
 /// @note Collective.
 template <int dim>
 std::vector<std::string> cut_cells_texts(MPI_Comm comm, const MpmSettings<dim>& settings,

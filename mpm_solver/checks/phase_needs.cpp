@@ -13,7 +13,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// What explicit steps cannot do.
+// Refuse what explicit steps cannot do.
 template <int dim>
 void check_explicit(const ConfigReader& in, const MpmSettings<dim>& settings) {
   for (const Phase& phase : settings.phases) {

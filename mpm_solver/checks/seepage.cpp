@@ -23,7 +23,8 @@ std::string key_of(std::size_t body) {
   return fmt::format("bodies/{}/water/permeability", body);
 }
 
-// Basis and points: pressures need a stabilisation that points of one cell tell apart.
+// Refuse a basis or points a cell with which the stabilisation cannot tell the pressures of a cell
+// apart.
 template <int dim>
 void check_layout(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
   if (!settings.grid.box || settings.grid.basis == Basis::linear) {
@@ -57,8 +58,8 @@ double slenderness(const Mesh<dim>& mesh, const BoxGrid<dim>& grid) {
   return largest;
 }
 
-// Points that are much farther apart along one axis than along another have no neighbours within
-// the reach in which the soil's surface is found.
+// Refuse points that are much farther apart along one axis than along another: the search for the
+// soil's surface would find no neighbours.
 template <int dim>
 void check_cells(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
   const Mesh<dim>& mesh = settings.layouts[b].mesh;
@@ -73,7 +74,8 @@ void check_cells(const ConfigReader& in, const MpmSettings<dim>& settings, std::
                       found, most));
 }
 
-// All pores are full: the table is not below the top of the body. There is one table.
+// Check that all pores are full (the table is not below the top of the body) and that there is one
+// table.
 template <int dim>
 void check_start(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
   const auto& stress = settings.initial_stress[b];
@@ -102,7 +104,7 @@ void check_start(const ConfigReader& in, const MpmSettings<dim>& settings, std::
   }
 }
 
-// Between full pores and those that air has entered the pressure has to be seen by the cells.
+// Check that cells resolve the pressure between full pores and those that air has entered.
 template <int dim>
 void check_suction(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t b) {
   const PoreWater& water = *settings.bodies[b].water;
@@ -115,7 +117,7 @@ void check_suction(const ConfigReader& in, const MpmSettings<dim>& settings, std
                       water.cavitation, of_half_cell));
 }
 
-// Its matrix is indefinite: none of the iterative methods solves it.
+// Refuse iterative solvers: the matrix is indefinite, and none of them solves it.
 template <int dim>
 void check_linear_solver(const ConfigReader& in, const MpmSettings<dim>& settings) {
   const std::string& method = settings.linear_solver.method;
@@ -136,7 +138,7 @@ void check_density(const ConfigReader& in, const MpmSettings<dim>& settings, std
                       found, settings.bodies[first].name, expected));
 }
 
-// What the fractional step cannot do as yet.
+// Refuse what the fractional step cannot do as yet.
 template <int dim>
 void check_explicit(const ConfigReader& in, const MpmSettings<dim>& settings) {
   if (!any_explicit(settings.phases)) return;
@@ -161,7 +163,8 @@ void check_phases(const ConfigReader& in, const std::vector<Phase>& phases, std:
   }
 }
 
-// Surfaces that are drained need soil that has a seepage face there, whichever body comes to them.
+// Check that drained surfaces have soil with a seepage face, in every body, since any body may come
+// to them.
 template <int dim>
 void check_drained_surface(const MpmSettings<dim>& settings, const ContactSettings<dim>& surface) {
   if (!surface.drained) return;
@@ -181,7 +184,8 @@ void check_drained_surface(const MpmSettings<dim>& settings, const ContactSettin
   }
 }
 
-// Boundary points have no facets that the soil could end at, so water would leave through them.
+// Refuse boundary points: they have no facets that the soil could end at, so water would leave
+// through them.
 template <int dim>
 void check_boundary_points(const MpmSettings<dim>& settings, const ContactSettings<dim>& surface) {
   if (!std::holds_alternative<BoundaryPointSettings>(surface.method)) return;
@@ -205,7 +209,7 @@ void check_surfaces(const MpmSettings<dim>& settings) {
   for (const auto& wall : settings.rigid_walls) check(wall.boundary);
 }
 
-// Rain needs soil that can take it in, and a direction.
+// Check that there is soil that can take rain in, and a direction of gravity.
 template <int dim>
 void check_rain(const ConfigReader& in, const MpmSettings<dim>& settings) {
   if (!settings.rain) return;

@@ -74,7 +74,7 @@ void require_no_snap_back(const MpmSettings<dim>& settings) {
     const std::string where = body + "/material/softening";
     const bool averaged = !averages.empty() && averages[b].acts();
     if (averaged) require_resolved(averages[b], settings.grid, body);
-    // With an average a point hardens in a step.
+    // With `softening_average` a point hardens within a step.
     const auto check = [&](const SofteningSoil<dim>& law, const auto& place) {
       if (averaged) {
         require_falling(law.parameters().curve, place);

@@ -72,7 +72,7 @@ std::string free_of_stress_text(const MpmSettings<dim>& settings) {
 
 namespace {
 
-// A thrust between walls that is smaller by more is worth a warning.
+// Missing share of a thrust between walls from which on a warning is given.
 constexpr double notable_share = 0.05;
 
 struct SoftContact {
@@ -81,8 +81,8 @@ struct SoftContact {
   double pressure = 0, depth = 0, width = 0;  // [Pa], [m], [m]
 };
 
-/// A wall that gives by depth ~ sqrt(pressure) holds soil back that would have to give by
-/// pressure / M over its width: r + depth M / (p width) sqrt(r) = 1 for the part r of the thrust.
+/// Part r of the thrust that a wall bears. The wall recedes by depth ~ sqrt(pressure), the soil
+/// expands by pressure / M over its width: r + depth M / (p width) sqrt(r) = 1.
 template <int dim>
 SoftContact soft_contact(const MpmSettings<dim>& settings, std::size_t b, double factor,
                          double cell_size) {
@@ -133,7 +133,8 @@ std::string soft_interfaces_text(const MpmSettings<dim>& settings, double cell_s
 
 namespace {
 
-// Weight that comes onto pore water leaves the skeleton without stress, and so without friction.
+// Warn of weight that comes onto pore water: the skeleton is left without stress, and so without
+// friction.
 template <int dim>
 void warn_of_weight_on_water(const MpmSettings<dim>& settings) {
   if (settings.gravity.isZero(0)) return;
@@ -184,7 +185,7 @@ class StackedBodies {
     }
   }
 
-  /// What to say; empty: they do not meet, or the stress does not jump.
+  /// The message; empty: they do not meet, or the stress does not jump.
   std::string text() const {
     if (!meet_) return "";
     const double from_above = pressure(upper_, settings_.initial_stress[upper_]->surface);
@@ -201,7 +202,8 @@ class StackedBodies {
   }
 
  private:
-  /// Vertical, where the bodies meet, of a body whose own density reached up to `surface` [Pa].
+  /// Vertical stress where the bodies meet, of a body whose own density reaches up to `surface`
+  /// [Pa].
   double pressure(std::size_t b, double surface) const {
     InitialStress stress = *settings_.initial_stress[b];
     stress.surface = surface;
@@ -210,7 +212,8 @@ class StackedBodies {
     return -initial_stress_at<dim>(stress, body, height_)[dim - 1];
   }
 
-  // Pressure is nearly proportional to depth.
+  // The `surface` at which the vertical stress is `wanted`: pressure is nearly proportional to
+  // depth [m].
   double balanced_surface(double wanted) const {
     double depth = -wanted / (settings_.bodies[lower_].material.density * gravity_[dim - 1]);
     for (int k = 0; k < 50 && depth > 0; ++k) depth *= wanted / pressure(lower_, height_ + depth);

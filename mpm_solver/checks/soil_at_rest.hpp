@@ -13,24 +13,24 @@ namespace gabion::mpm {
 template <int dim>
 WeightedColumn column_of(const MpmSettings<dim>& settings, std::size_t body);
 
-/// What to say of bodies that start free of stress, with weight that is there from the start: what
-/// lies on a bed swings about its rest. Empty: there are none.
+/// Warnings of bodies that start free of stress under their full weight: they oscillate about their
+/// state of rest. Empty: there are none.
 template <int dim>
 std::string free_of_stress_text(const MpmSettings<dim>& settings);
 
-/// What to say of interfaces that give more than 5 % of what the soil gives while it takes its
-/// weight: its thrust at rest comes out too small. Empty: there are none, or no soil takes weight.
+/// Warnings of interfaces whose penetration makes the thrust of soil that takes its weight too
+/// small by more than 5 %. Empty: there are none, or no soil takes weight.
 /// @param cell_size  mean [m]
 template <int dim>
 std::string soft_interfaces_text(const MpmSettings<dim>& settings, double cell_size);
 
-/// Log what each body does under its own weight (log_own_weight), and those texts.
+/// Log what each body does under its own weight (log_own_weight), and the warnings above.
 template <int dim>
 void log_soil_at_rest(const MpmSettings<dim>& settings, double cell_size);
 
-/// Why initial stress cannot be in balance, empty where nothing is found: of two bodies with
-/// initial stress, one on top of the other, the vertical stresses differ where they meet. Says the
-/// `surface` of the lower one with which they would not.
+/// Reason why initial stress cannot be in balance: the vertical stresses of two bodies with initial
+/// stress, one on top of the other, differ where they meet. The text says with which `surface` of
+/// the lower one they would agree. Empty: nothing is found.
 /// @param gravity  at the start [m/s^2]
 template <int dim>
 std::string stress_jump_text(const MpmSettings<dim>& settings, const Vector<dim>& gravity);

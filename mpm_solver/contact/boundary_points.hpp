@@ -23,7 +23,7 @@ class BoundaryPoints final : public WholeContact<dim> {
   /// several, on a facet of the grid, one with soil); where that holds none, that of the nearest
   /// cell in front of the point, within soil.reach, or within one cell size for a point that had
   /// soil in the step before. The basis functions of such a cell are continued to the point. So a
-  /// wall that recedes over a line of the grid does not lose its soil.
+  /// wall that recedes across a line of the grid keeps its soil.
   void begin_step(const SoilSurface<dim>& soil) override;
   bool asks_for_cells() const override { return true; }
   std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil) override;
@@ -60,7 +60,7 @@ class BoundaryPoints final : public WholeContact<dim> {
     bool has_soil = false;                  // accepted
     Vector<dim> gap = Vector<dim>::Zero();  // accepted, in the facet's frame (normal first)
     Vector<dim> force = Vector<dim>::Zero();  // accepted, on the soil [N]
-    // of the step under way
+    // of the current step
     std::int32_t nodes[max_cell_nodes] = {};  // active ones
     double N[max_cell_nodes] = {};
     Matrix<dim> frame = Matrix<dim>::Identity();  // columns: normal, tangents
@@ -77,7 +77,7 @@ class BoundaryPoints final : public WholeContact<dim> {
   MovingSurface<dim> surface_;
   ContactLaw law_;
   GapMemory memory_;
-  double dt_ = 0;  // of the step under way
+  double dt_ = 0;  // of the current step
   std::vector<Point> points_;
   std::vector<ContactMark<dim>> marks_;  // of the accepted step
   std::vector<Vector<dim>> vertices_;    // accepted

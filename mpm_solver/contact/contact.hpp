@@ -15,8 +15,8 @@
 
 namespace gabion::mpm {
 
-/// One or several surfaces, its members, that touch the soil: between them act equal and opposite
-/// forces, by a method of their own. A step: begin_step; then set_displacement and
+/// Contact of the soil with one or several surfaces, its members: equal and opposite forces act
+/// between them, by a method of their own. A step: begin_step; then set_displacement and
 /// assembly().add_forces as often as wanted; then accept, or the next begin_step. Forces, counts
 /// and energies are those that this rank carries: their sums over the ranks are those of the
 /// contact.
@@ -32,14 +32,15 @@ class Contact {
 
   /// Whether it reads SoilSurface::occupied.
   virtual bool asks_for_cells() const { return false; }
-  /// Grid nodes that the coming step needs here besides those of this rank's material points.
+  /// Grid nodes that the coming step needs on this rank besides those of this rank's material
+  /// points.
   /// @param soil  without weights and nodes as yet
   virtual std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil) {
     static_cast<void>(soil);
     return {};
   }
-  /// Start a step from the accepted state: find the soil that the surface can touch in it.
-  /// Collective over soil.comm.
+  /// Start a step from the accepted state: find the soil that may come into contact with the
+  /// surface in it. Collective over soil.comm.
   virtual void begin_step(const SoilSurface<dim>& soil) = 0;
   /// Whether a force can arise in this step.
   virtual bool can_touch(std::size_t member = 0) const = 0;
@@ -53,14 +54,14 @@ class Contact {
     return std::numeric_limits<double>::infinity();
   }
   /// Largest next step [s] in which the surface goes no deeper into the soil than `margin` [m],
-  /// where it is open beyond its gap, at its speed in the step under way, of length dt; infinite
-  /// when it comes no nearer.
+  /// where it is open beyond its gap, at its speed in the current step, of length dt; infinite when
+  /// it comes no nearer.
   virtual double approach_step(double dt, double margin) const = 0;
   /// Make the end of the step the accepted state.
   virtual void accept() = 0;
   virtual std::size_t num_members() const { return 1; }
-  /// Let a member act no more, what its springs hold is lost; or act again, from a state that is
-  /// loaded next. @returns false: the method cannot, the contact has to be replaced
+  /// Let a member act no more, where the energy of its springs is lost; or act again, from a state
+  /// that is loaded next. @returns false: the method cannot, the contact has to be replaced
   virtual bool drop(std::size_t member, bool dropped) {
     static_cast<void>(member), static_cast<void>(dropped);
     return false;
@@ -94,8 +95,8 @@ using Contacts = std::vector<std::unique_ptr<Contact<dim>>>;
 template <int dim>
 std::unique_ptr<Contact<dim>> make_contact(const ContactSettings<dim>& settings);
 
-/// One contact of surfaces that all have the method `facets`: what a point touches is searched as
-/// if they were one surface.
+/// One contact of surfaces that all have the method `facets`: the contact points of a material
+/// point are searched as if they were one surface.
 /// @param members  not empty
 template <int dim>
 std::unique_ptr<Contact<dim>> make_joint_contact(

@@ -24,8 +24,8 @@ class ContactAssembly {
   /// Add the contact force, as the balance at the end of the step sees it, to r and its stiffness
   /// -df/du to K (may be null).
   virtual void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) = 0;
-  /// Set the active nodes that act on the points which a member touched in the last add_forces
-  /// to 1.
+  /// Set to 1 the active nodes of the points that were in contact with a member in the last
+  /// add_forces.
   virtual void mark_touched(std::span<char> nodes, std::size_t member = 0) const {
     static_cast<void>(nodes), static_cast<void>(member);
   }

@@ -15,7 +15,7 @@ template <int dim>
 std::vector<ContactSettings<dim>> read_interfaces(const Scene& scene, ConfigReader& in,
                                                   double penalty_unit);
 
-/// Read "rigid_walls" likewise.
+/// Like read_interfaces(), of "rigid_walls".
 template <int dim>
 std::vector<RigidWallSettings<dim>> read_rigid_walls(const Scene& scene, ConfigReader& in,
                                                      double penalty_unit);

@@ -9,8 +9,8 @@ namespace gabion::mpm {
 
 namespace {
 
-// The old slip in springs of the present stiffness. Those that became softer keep it, those that
-// became stiffer keep its force: either way they hold no more energy than before.
+// The old slip in springs of the present stiffness. Springs that became softer keep the slip,
+// springs that became stiffer keep its force: neither hold more energy than before.
 template <int dim>
 void follow_part(ContactPoint<dim>& contact) {
   if (contact.part <= contact.old_part) {

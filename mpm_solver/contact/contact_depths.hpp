@@ -12,7 +12,7 @@ namespace gabion::mpm {
 ///
 ///     penalty g(|u|) u ,   u = sum_k lambda_k n_k the shortest displacement out,
 ///
-/// of which each has its part, penalty g lambda_k; points that no part falls to are removed. The
+/// of which each has its part, penalty g lambda_k; points without a part are removed. The
 /// tangential stiffness of all is that of one, too: parts lambda_k delta_k / |u|^2 add up to 1.
 /// (docs/theory/interface.md)
 template <int dim>

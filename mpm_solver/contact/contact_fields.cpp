@@ -19,7 +19,7 @@ namespace {
 // Facets that look within 60 degrees of a mark's normal may share it.
 constexpr double same_side = 0.5;
 
-// What is nearer than a limit to within this share of it may be beyond it by rounding.
+// Distances within this share of a limit may be on either side of it by rounding.
 constexpr double rounding = 1e-9;
 
 // Places that follow each other share a look around in blocks of this size.
@@ -62,7 +62,7 @@ struct Surrounding {
 };
 
 /// Simplices near each of some places. Places that follow each other, as those of the points laid
-/// in one cell do, share a look at the lists of the surface.
+/// in one cell do, share one query of the surface's lists.
 template <int dim>
 class NearPoints {
  public:
@@ -203,9 +203,9 @@ void shares_of(const PlacedSurface<3>& surface, std::span<const std::int32_t> ab
   }
 }
 
-// Gap between a triangle or segment and the soil of a point that it faces [m]. That soil is a
-// sphere of radius R, and soil beside it up to half_width; this is never more than in contact,
-// since it ends where the surface falls away.
+// Gap between a triangle or segment and the soil of a point that it faces [m]. That soil is the
+// sphere of radius R, extended sideways up to half_width; the extension never penetrates, since it
+// ends where the surface falls away.
 template <int dim>
 double gap_to_soil(const std::array<Vector<dim>, dim>& corners, const Vector<dim>& x, double height,
                    double R, double half_width) {
@@ -310,7 +310,8 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
   SpheresOfBlock<dim> spheres(sphere_of, points.size());
   for (std::int32_t p = 0; p < points.size(); ++p) {
     const Vector<dim>& x = points.x[p];
-    // Higher points do not count: their gap is at least the height less R, more than what is known.
+    // Higher points are passed over: their gap is at least the height less R, which is more than
+    // the gap known.
     const auto highest = [&](std::int32_t s) {
       const double known = std::min(fields.gap[placed.facet(s)], reach);
       return (1 + rounding) * (std::max(0.0, known) + spheres.most(p));

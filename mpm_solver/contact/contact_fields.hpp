@@ -49,8 +49,9 @@ struct ContactFields {
 };
 
 /// Add each mark to the facets that the soil around it lies on: a strip (2D) or square (3D) of the
-/// mark's area in the plane across its normal, as far as it is over facets that look the same way.
-/// The pressure of evenly laid points is then even, however facets and points divide the surface.
+/// mark's area in the plane across its normal, as far as it lies over facets that face the same
+/// direction. The pressure of evenly laid points is then even, however facets and points divide the
+/// surface.
 template <int dim>
 void spread_marks(const ContactSurface<dim>& surface, std::span<const ContactMark<dim>> marks,
                   ContactFields<dim>& fields);
@@ -68,8 +69,8 @@ template <int dim>
 using SphereOfPoint = std::function<ContactSphere<dim>(std::int32_t p)>;
 
 /// Set the gaps to the distances between each facet and the material points that it faces: from
-/// points that stand over it along the normal, else from the rim of their areas. Farther than
-/// `reach` [m] is not looked.
+/// points that stand over it along the normal, else from the rim of their areas. Points farther
+/// away than `reach` [m] are left out.
 template <int dim>
 void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& points,
               const SphereOfPoint<dim>& sphere_of, double reach, ContactFields<dim>& fields);

@@ -28,7 +28,7 @@ struct ContactTraction {
 ///     mu(v) = friction - fall (1 - exp(-v / speed))
 struct FrictionFall {
   double fall = 0;   ///< from rest to great speed, >= 0 and at most the friction; 0: none
-  double speed = 0;  ///< with which 1 - 1/e of it is reached, > 0 [m/s]
+  double speed = 0;  ///< at which 1 - 1/e of the fall is reached, > 0 [m/s]
 };
 
 /// Normal traction as a function of the penetration d = -g_n.
@@ -43,10 +43,11 @@ enum class NormalLaw {
 ///     t_n = penalty d or penalty d^2 ,  t_t = -tangential_penalty g_t ,
 ///     |t_t| <= mu <t_n - p> + drag v^2 ,  p that of pore water at the surface
 ///
-/// with the speed v = s / time of the slip s in the step, which is what the limit takes off g_t. It
-/// is the root of a quadratic equation and has the direction of t_t: it takes energy. mu is the
-/// friction; with a fall it depends on the speed of the soil along the surface, elastic or not, so
-/// that the springs between them have no part in it and the traction has one value.
+/// with the speed v = s / time of the slip s in the step, which is the part of g_t beyond the
+/// limit. The limit is the root of a quadratic equation and has the direction of t_t: it takes
+/// energy. mu is the friction; with a fall it depends on the speed of the soil along the surface,
+/// elastic or not, so that the springs between them have no part in it and the traction has one
+/// value.
 /// @see Voellmy (1955); drag = rho g / xi with his coefficient xi [m/s^2]
 struct ContactLaw {
   ContactMode mode = ContactMode::contact;

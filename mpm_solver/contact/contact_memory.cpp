@@ -11,7 +11,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Lists `name`_ids and `name`s.
+// Save or load the lists `name`_ids and `name`s.
 template <typename Value>
 void visit_by_id(StateVisitor& visitor, const std::string& name,
                  std::map<std::int64_t, Value>& by_id) {
@@ -31,14 +31,14 @@ void visit_by_id(StateVisitor& visitor, const std::string& name,
   }
 }
 
-// Zero where there is none.
+// The value of a point; zero where there is none.
 template <int dim>
 Vector<dim> vector_of(const std::map<std::int64_t, Vector<dim>>& by_id, std::int64_t id) {
   const auto found = by_id.find(id);
   return found == by_id.end() ? Vector<dim>(Vector<dim>::Zero()) : found->second;
 }
 
-// What is known of these points goes into the packet.
+// Put what is known of these points into the packet.
 template <typename Value>
 void give_by_id(std::span<const std::int64_t> ids, std::map<std::int64_t, Value>& by_id,
                 const std::function<void(const Value&)>& put, Packet& packet) {

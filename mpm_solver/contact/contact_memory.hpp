@@ -25,7 +25,8 @@ struct RememberedContact {
   Vector<dim> slip = Vector<dim>::Zero();    ///< elastic; along -normal the initial penetration [m]
   double part = 1;                           ///< of the tangential stiffness, in which the slip is
   Vector<dim> lasting = Vector<dim>::Zero();  ///< part of the force that has lasted [N]
-  bool took_weight = false;                   ///< it began in a step in which soil took its weight
+  bool took_weight = false;                   ///< the contact began in a step in which soil took
+                                              ///< its weight
 
   /// Initial penetration [m].
   double initial_penetration() const { return -normal.dot(slip); }
@@ -38,7 +39,7 @@ using RememberedContacts = std::vector<RememberedContact<dim>>;
 
 inline constexpr std::int32_t any_owner = -1;
 
-/// The contact that goes on with this normal; null: none does.
+/// The contact that continues with this normal; null: none does.
 /// @param contacts  may be null
 template <int dim>
 const RememberedContact<dim>* going_on(const RememberedContacts<dim>* contacts,
@@ -76,7 +77,7 @@ class ContactMemory {
   /// Offset of a contact sphere from its point [m].
   Vector<dim> offset(std::int64_t id) const;
   std::map<std::int64_t, Vector<dim>>& offsets() { return offsets_; }
-  /// The offset with which the sphere was laid, as long as it did not go back to its point [m].
+  /// The offset with which the sphere was laid [m]; zero once it has gone back to its point.
   Vector<dim> laid_offset(std::int64_t id) const;
   std::map<std::int64_t, Vector<dim>>& laid_offsets() { return laid_offsets_; }
   /// |shape^T n| is the radius in direction n [m].
@@ -90,7 +91,8 @@ class ContactMemory {
 
   /// Sum of the forces on these points, one member after the other [N].
   Vector<dim> force_on(std::span<const std::int64_t> ids, std::size_t num_members) const;
-  /// A contact sphere without other contacts goes back to its point.
+  /// Forget the contacts with a member; a contact sphere without other contacts goes back to its
+  /// point.
   void forget_member(std::int32_t member);
   void give(std::span<const std::int64_t> ids, Packet& packet);
   void take(Packet& packet);

@@ -24,8 +24,8 @@ constexpr double steepness[] = {20, 250, 3000};
 constexpr int most_steps = 30;
 constexpr int most_halvings = 8;
 
-// Changes of the regression's plane, and of the normal with the widest margin, that are none: the
-// first begins the search for the second.
+// Changes below these count as none: of the regression's plane, at which the search for the widest
+// margin begins, and of the normal with that margin.
 constexpr double small_change = 1e-3;
 constexpr double small_turn = 1e-7;
 
@@ -33,7 +33,7 @@ constexpr double small_turn = 1e-7;
 constexpr double least_exponent = -40;
 
 template <int dim>
-using Plane = Eigen::Matrix<double, dim + 1, 1>;  // (phi_n, phi_0)
+using Plane = Eigen::Matrix<double, dim + 1, 1>;  // Coefficients (phi_n, phi_0) of a plane.
 
 template <int dim>
 struct Regression {
@@ -42,7 +42,7 @@ struct Regression {
   Eigen::Matrix<double, dim + 1, dim + 1> normal_matrix =
       Eigen::Matrix<double, dim + 1, dim + 1>::Zero();
 
-  // Squares of 2 / (1 + exp(-z)) - 1 - c, z = phi_n . x + phi_0.
+  // Sums of squares of 2 / (1 + exp(-z)) - 1 - c, z = phi_n . x + phi_0.
   Regression(const TwoClouds<dim>& clouds, const Plane<dim>& phi) {
     add(clouds.first, -1, phi);
     add(clouds.second, 1, phi);

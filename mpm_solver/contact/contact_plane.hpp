@@ -20,9 +20,9 @@ struct PlaneNormal {
   bool separates = false;               ///< a plane with this normal lies between the clouds
 };
 
-/// Normal of the plane that parts two clouds of points: logistic regression, and where a plane
-/// parts them the one with the widest margin (docs/theory/bodies.md). There is but one of these, so
-/// no regression is made where a plane across the guess parts them already.
+/// Normal of the plane between two clouds of points: by logistic regression, and where a plane
+/// separates the clouds, that with the widest margin (docs/theory/bodies.md). That plane is unique,
+/// so no regression is made where a plane across the guess separates them already.
 /// @param guess  of length 1
 /// @see Nairn, Hammerquist, Smith (2020)
 template <int dim>

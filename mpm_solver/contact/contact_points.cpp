@@ -39,7 +39,7 @@ void ContactPoints<dim>::find_opened() {
   });
 }
 
-// A contact that goes on has slipped since it began; a new one since its path met the surface.
+// Slip of a contact: since it began; of a new one since its displacement path met the surface.
 template <int dim>
 void ContactPoints<dim>::set_slip(const Candidate& c, Point& contact) const {
   const Vector<dim>& n = contact.feature.normal;
@@ -111,7 +111,7 @@ ContactPoint<dim> ContactPoints<dim>::point_at(const Candidate& c,
 }
 
 // Members that meet in a corner with the point in it, or that face each other with the point
-// between them, push each for itself.
+// between them, push independently.
 template <int dim>
 void ContactPoints<dim>::share_in_corners(const Candidate& c, std::size_t first) {
   if (surface_.num_members() == 1 || points_.size() <= first + 1)
@@ -140,7 +140,7 @@ void ContactPoints<dim>::share_in_corners(const Candidate& c, std::size_t first)
   }
 }
 
-// Points in the order in which their members stand, those of a member as they were found.
+// Sort the points by their members, those of a member as they were found.
 template <int dim>
 void ContactPoints<dim>::order() {
   const auto num_members = static_cast<std::size_t>(surface_.num_members());

@@ -27,7 +27,7 @@ struct ContactPoint {
   std::array<double, dim> part_slopes{};        ///< d part / d the gaps of others, < 0 turned
   double depth = 0;                             ///< that the traction follows [m]
   double stored_depth = 0;                      ///< that the stored energy follows [m]
-  double slip_share = 1, slip_share_slope = 0;  ///< of the step after it touched; over gap [1/m]
+  double slip_share = 1, slip_share_slope = 0;  ///< of the step after contact began; over gap [1/m]
   Vector<dim> motion = Vector<dim>::Zero();     ///< of the soil in the step [m]
   Vector<dim> slip = Vector<dim>::Zero();       ///< elastic, before the friction limit [m]
   Vector<dim> slip_part_slope = Vector<dim>::Zero();  ///< d slip / d part [m]
@@ -39,8 +39,8 @@ struct ContactPoint {
   Vector<dim> force = Vector<dim>::Zero();            ///< on the soil [N]
 };
 
-/// The contact points of the step under way: where the spheres of the candidates meet the surface
-/// for a motion of the soil, how deep, and how far they have slipped. Forces follow from them.
+/// The contact points of the current step: where the spheres of the candidates meet the surface for
+/// a motion of the soil, how deep, and how far they have slipped. Forces follow from them.
 template <int dim>
 class ContactPoints {
  public:
@@ -54,18 +54,18 @@ class ContactPoints {
     clear();
   }
 
-  /// There are none.
+  /// Remove all contact points.
   void clear();
-  /// Find those at the end of the step. @param du  of the soil, nodes x dim [m]
+  /// Find the contact points at the end of the step. @param du of the soil, nodes x dim [m]
   void find(std::span<const double> du);
-  /// Add to opened() the spheres that find() looks no farther ahead for than they may touch.
+  /// Add to opened() the spheres that find() searches only as far as they may come into contact.
   void find_opened();
 
   /// All of them, in the order in which they were found; those of a material point follow each
   /// other.
   std::vector<Point>& all() { return points_; }
   const std::vector<Point>& all() const { return points_; }
-  /// Places where spheres that do not touch keep an offset.
+  /// Places where spheres without contact keep an offset.
   const std::vector<Point>& opened() const { return opened_; }
   /// Numbers of the points of a member, as they were found.
   std::span<const std::int32_t> of(std::size_t owner) const {

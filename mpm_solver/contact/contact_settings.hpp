@@ -21,7 +21,7 @@ struct ContactSurface {
   std::vector<std::int32_t> facets;  ///< normals point out of the structure, into the soil
 };
 
-/// What the penalty of boundary points acts on.
+/// Quantity that the penalty of boundary points acts on.
 enum class GapMemory {
   accumulated,  ///< gap since soil came into the point's cell: force independent of the step size
   step,         ///< displacement of this step only: the force depends on the step size
@@ -39,9 +39,9 @@ struct BoundaryPointSettings {
 /// size.
 struct FacetSettings {
   double penalty_factor = 10;  ///< traction at a depth d: penalty_factor M (d / h)^2
-  /// Factor of contacts that begin while soil takes its weight: beyond the pressure p_0 under the
-  /// body the stiffness is resting_factor M / h, up to p_0 the traction is that factor squared
-  /// times M^2 / (4 p_0) (d / h)^2; 0: these contacts are like others.
+  /// Factor of contacts that begin while soil takes its weight: above the pressure p_0 at the
+  /// bottom of the body the stiffness is resting_factor M / h, up to p_0 the traction is that
+  /// factor squared times M^2 / (4 p_0) (d / h)^2; 0: these contacts are like others.
   double resting_factor = 0;
   double tangential_factor = 0.25;  ///< stiffness: tangential_factor M / h
 };
@@ -56,7 +56,7 @@ struct ContactSettings {
   double friction = -1;      ///< as in ContactLaw
   double drag = 0;           ///< as in ContactLaw, of facets [Pa s^2/m^2]
   FrictionFall weakening{};  ///< of the friction, of facets
-  bool drained = false;      ///< pore water of soil that touches it leaves as into air
+  bool drained = false;      ///< pore water of soil in contact with it leaves as into air
   std::variant<BoundaryPointSettings, FacetSettings> method;
 };
 

@@ -12,7 +12,7 @@
 
 namespace gabion::mpm {
 
-/// Energy that soil and surface put into their contact, by where it went [J].
+/// Energy that soil and surface put into their contact, by its use [J].
 struct ContactEnergy {
   double stored = 0;    ///< in the penalty springs, can come back
   double friction = 0;  ///< dissipated by sliding, since the start
@@ -30,10 +30,10 @@ class ContactState {
  public:
   virtual ~ContactState() = default;
 
-  /// Soil that touches the surface as the run begins presses on it with its stress there, from now
-  /// on: forces, counts and energy are those of soil that has not moved. Spheres of soil that was
-  /// laid against the surface reach it, with stress or without. Without effect where a method
-  /// cannot. Collective over the soil's ranks.
+  /// From now on soil that is in contact with the surface as the run begins presses on it with its
+  /// stress there: forces, counts and energy are those of soil that has not moved. Spheres of soil
+  /// that was laid against the surface reach it, with stress or without. Methods that cannot do
+  /// this ignore the call. Collective over the soil's ranks.
   /// @pre begin_step and set_displacement for the start of the run
   virtual void begin_at_rest(const SoilAtRest<dim>& rest) { static_cast<void>(rest); }
 
@@ -44,7 +44,7 @@ class ContactState {
   /// @param reach   how far to look for gaps [m]
   virtual ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach,
                                     std::size_t member = 0) const = 0;
-  /// Places where this rank's soil touched a member.
+  /// Places where this rank's soil was in contact with a member.
   virtual std::span<const ContactMark<dim>> marks(std::size_t member = 0) const = 0;
   /// Positions of the vertices of a member [m]; empty: it acts no more, or the method has no
   /// facets.

@@ -8,8 +8,7 @@ namespace gabion::mpm {
 /// Part of a contact in the substeps of an explicit step: begin_substeps, then for each one
 /// set_share, add_forces with the motion since the start of the step, add_substep; at last
 /// add_forces with the motion of the whole step. Forces on the structure and their resultant are
-/// then means over the substeps. This class itself is that of a contact whose forces need none of
-/// it.
+/// then means over the substeps. This class itself serves a contact whose forces need no substeps.
 template <int dim>
 class ContactSubsteps {
  public:
@@ -27,8 +26,8 @@ class ContactSubsteps {
   virtual void add_substep(std::span<const double> move, double share) {
     static_cast<void>(move), static_cast<void>(share);
   }
-  /// Add the row sums of the stiffness of the last add_forces, sum_j |K_ij|, its places counted one
-  /// by one: num_nodes [N/m].
+  /// Add the row sums of the stiffness of the last add_forces, sum_j |K_ij|, each contact point by
+  /// itself: num_nodes [N/m].
   virtual void add_stiffness_sums(std::span<double>) const {}
 };
 

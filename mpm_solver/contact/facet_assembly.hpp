@@ -6,8 +6,8 @@
 
 namespace gabion::mpm {
 
-/// Add a force that is remembered of the contacts of all candidates with a member, at the place
-/// where they are as the step starts, times a share.
+/// Add a share of a remembered force of each contact between the candidates and a member, at its
+/// place at the start of the step.
 template <int dim>
 void add_remembered(const PointSearch<dim>& search, std::int32_t owner,
                     Vector<dim> RememberedContact<dim>::*force, double share,
@@ -23,7 +23,7 @@ class FacetAssembly final : public ContactAssembly<dim> {
   void begin_step(double force_weight) { force_weight_ = force_weight; }
 
   bool symmetric() const override { return false; }
-  /// A point's nodes are those of its group already.
+  /// Nothing: the nodes of a point are those of its group already.
   void append_cells(std::vector<std::int32_t>&, std::vector<std::int32_t>&) const override {}
   void add_forces(std::span<const double> du, std::span<double> r, BlockMatrix<dim>* K) override;
   void mark_touched(std::span<char> nodes, std::size_t member = 0) const override;

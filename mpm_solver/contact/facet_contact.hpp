@@ -9,25 +9,27 @@ namespace gabion::mpm {
 
 /// Material points against the facets of surfaces (docs/theory/interface.md), its members. A point
 /// has a contact sphere of radius R, as deep as the point lies in the cell that it was laid in; the
-/// sphere touches the surface where the distance of its centre y has a local minimum x_m below R:
+/// sphere is in contact where the distance of its centre y from the surface has a local minimum x_m
+/// below R:
 ///
 ///     g = (y - x_m) . n - R + n . sum_i (w_i - N_i) du_i ,  y = x_p + o + sum_i N_i du_i ,
 ///     d = o - R n ,  w_i = N_i(x_p) + grad N_i(x_p) . d ,
 ///     f_i = w_i A t ,  on vertex v  -phi_v A t ,  A = V / (2 R)
 ///
-/// w continues the functions of the point to its surface, those of gimp and bspline as
-/// SurfaceValues say: linear fields are met exactly, and force and place are those of both sides.
-/// The sphere of an elastic body is strained with it; the offset o carries what else the surface
-/// goes against the centre from step to step. Penetration and friction follow ContactLaw; in inside
-/// corners depths are those of ShortestExit. A contact point of soil that was at rest under stress
-/// when the run began has the depth of that stress from the beginning: its gap is less by it. A
-/// point that was open slips from the moment when it touches, its path in the step being straight.
-/// The force F of a step is constant in it (NewmarkBossak::step_force_weight): contact then takes
-/// energy or keeps it, at any stiffness and dt.
+/// w are the basis functions of the point continued to the surface of its sphere, for gimp and
+/// bspline by SurfaceValues: linear fields are met exactly, and force and place are those of both
+/// sides. The sphere of an elastic body is strained with it; the offset o carries the remaining
+/// displacement of the surface relative to the centre from step to step. Penetration and friction
+/// follow ContactLaw; in re-entrant corners depths are those of ShortestExit. A contact point of
+/// soil that was at rest under stress when the run began has the depth of that stress from the
+/// beginning: its gap is less by it. The slip of a point that was open begins where it comes into
+/// contact, its displacement path in the step being straight. The force F of a step is constant in
+/// it (NewmarkBossak::step_force_weight): contact then dissipates energy or keeps it, at any
+/// stiffness and dt.
 ///
 /// The members are one surface for the search: where their rims meet, nothing but the friction and
-/// the owner of the forces changes. Where two of them meet in a corner each pushes for itself
-/// (surface_features.hpp). PointSearch finds the places, ContactPoints are those that touch in
+/// the owner of the forces changes. Where two of them meet in a corner each pushes independently
+/// (surface_features.hpp). PointSearch finds the places, ContactPoints are the places in contact in
 /// the step, and ContactMemory has what is remembered of them.
 ///
 /// Each rank carries its own material points, and looks as far ahead as all ranks together would.

@@ -11,7 +11,7 @@
 namespace gabion::mpm {
 
 /// Finds the simplices near a place: each is listed in all cubes of a hashed grid that its bounding
-/// box touches.
+/// box meets.
 template <int dim>
 class FacetHash {
  public:
@@ -23,14 +23,14 @@ class FacetHash {
             double margin)
       : FacetHash(simplices, vertices, margin, nullptr, everywhere()) {}
 
-  /// The same, to be asked for these places only [m]: simplices far from all of them are not
-  /// listed, and cost no more than a look at their bounding box.
+  /// For queries at these places only [m]: simplices far from all of them are not listed, and cost
+  /// no more than a test of their bounding box.
   FacetHash(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
             double margin, std::span<const Vector<dim>> places)
       : FacetHash(simplices, vertices, margin, places, box_around(places)) {}
 
-  /// The same, as one of several searches. What is near a place does not depend on which of them
-  /// asks. @param around  the places of all searches
+  /// As above, for one of several searches, so that the simplices near a place do not depend on
+  /// which search asks. @param around the places of all searches
   FacetHash(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
             double margin, std::span<const Vector<dim>> places, const Box& around)
       : FacetHash(simplices, vertices, margin, &places, around) {}

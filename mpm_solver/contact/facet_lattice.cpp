@@ -12,8 +12,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// A simplex whose box touches more bins is looked at wherever anything is: a slope of few triangles
-// would fill memory with them.
+// A simplex whose box meets more bins than this is in none and is always looked at: the bins of a
+// slope of few triangles would fill the memory.
 constexpr double most_bins = 1000;
 
 template <int dim>
@@ -27,7 +27,7 @@ CubeIndex<dim> cube_at(const Vector<dim>& x, double size) {
   return cube;
 }
 
-// Calls visit(cube) for all cubes that a box touches.
+// Call visit(cube) for all cubes that a box meets.
 template <int dim, typename Visit>
 void for_each_cube(const Vector<dim>& low, const Vector<dim>& high, double size, Visit&& visit) {
   const CubeIndex<dim> first = cube_at<dim>(low, size), last = cube_at<dim>(high, size);
@@ -41,7 +41,7 @@ void for_each_cube(const Vector<dim>& low, const Vector<dim>& high, double size,
   }
 }
 
-// Ascending, each once.
+// Sort a list in ascending order, each entry once.
 void keep_once(std::vector<std::int32_t>& list) {
   std::sort(list.begin(), list.end());
   list.erase(std::unique(list.begin(), list.end()), list.end());
@@ -93,14 +93,14 @@ FacetLattice<dim>::FacetLattice(const LatticeSurface<dim>& surface, const Sizes&
   }
 }
 
-// The number of bins that a box touches, right within one along each axis.
+// The number of bins that a box meets, exact to one along each axis.
 template <int dim>
 double FacetLattice<dim>::num_bins(const Box& box) const {
   return (((box.high - box.low) / bin_size_).array().floor() + 1).prod();
 }
 
-// Simplices in the bins that a box touches, some several times, and large ones; all, where that is
-// no more work.
+// Simplices in the bins that a box meets, some several times, and large ones; all simplices where
+// that is no more work.
 template <int dim>
 void FacetLattice<dim>::gather(const Box& box, std::vector<std::int32_t>& found) const {
   found = large_;
@@ -133,8 +133,8 @@ double FacetLattice<dim>::height_along(const LatticeSurface<dim>& surface,
   return height;
 }
 
-// The plane is that of two which is the farther one from the middle of the cube: across the mean
-// normal of the simplices, or across the way to the nearest one.
+// The plane is the one of two that is farther from the middle of the cube: across the mean normal
+// of the simplices, or across the direction to the nearest one.
 template <int dim>
 typename FacetLattice<dim>::Cube FacetLattice<dim>::make(const LatticeSurface<dim>& surface,
                                                          const Index& index) const {

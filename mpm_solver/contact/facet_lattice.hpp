@@ -20,8 +20,8 @@ struct LatticeSurface {
 };
 
 /// Finds the simplices of a surface near a place, step after step: lists of the cubes of a lattice,
-/// each made when it is first asked for and kept until the surface has moved too far. What is found
-/// within a distance does not depend on when the lists were made.
+/// each made when it is first asked for and kept until the surface has moved too far. The simplices
+/// found within a distance do not depend on when the lists were made.
 template <int dim>
 class FacetLattice {
  public:
@@ -74,9 +74,9 @@ class FacetLattice {
   std::size_t num_simplices_ = 0;
   double moved_ = 0;      // since it was made [m]
   double bin_size_ = 0;   // [m]
-  IndexTable<dim> bins_;  // those that boxes around simplices touch
+  IndexTable<dim> bins_;  // those that boxes around simplices meet
   std::vector<std::int32_t> bin_starts_, in_bins_;
-  std::vector<std::int32_t> large_;  // simplices that are in no bin, since they touch many
+  std::vector<std::int32_t> large_;  // simplices that are in no bin, since they meet many
   // kept answers
   mutable IndexTable<dim> known_;
   mutable std::vector<Cube> cubes_;

@@ -24,8 +24,8 @@ class FacetLaws {
   /// The law between a candidate and a member, in dry soil.
   /// @param part  of the tangential stiffness
   ContactLaw law_of(const ContactCandidate<dim>& c, std::int32_t owner, double part) const;
-  /// The pore pressure at the surface: none where it is drained, else that without flow along its
-  /// normal [Pa].
+  /// The pore pressure at the surface [Pa]: 0 where it is drained, else that without flow along its
+  /// normal.
   /// @param radius  of the contact sphere along the normal n [m]
   double pore_pressure_at(const ContactCandidate<dim>& c, std::int32_t owner, double radius,
                           const Vector<dim>& n) const;

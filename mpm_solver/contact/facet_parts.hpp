@@ -5,7 +5,7 @@
 
 namespace gabion::mpm {
 
-/// What the classes of a contact by facets share. They refer to each other.
+/// The parts that the classes of a contact by facets share. The parts refer to each other.
 template <int dim>
 struct FacetParts {
   /// @param members  not empty, all with FacetSettings

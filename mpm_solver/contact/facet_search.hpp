@@ -21,19 +21,19 @@ class FacetSearch {
   /// @param diameter  diameter of the largest contact sphere [m]
   void begin_step(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
                   double diameter);
-  /// The accepted place of a member is another one, a vertex moved by as much as this [m].
+  /// The accepted place of a member has changed; a vertex moved by up to this [m].
   void add_motion(std::size_t member, double path);
-  /// Vertices are where another state has them.
+  /// Forget bounds and lists: vertices are those of another state.
   void forget();
-  /// A member that does not act has no simplices near any place.
+  /// Let a member act no more, so that it has no simplices near any place, or again.
   void drop(std::size_t member, bool dropped) { members_[member].dropped = dropped; }
 
-  /// All bounds, at the start of the step; of members that act they are known.
+  /// All bounds at the start of the step; those of members that do not act are undefined.
   std::span<const SimplexBounds<dim>> bounds() const { return bounds_; }
   /// Diameter of the largest bounding sphere of a simplex [m].
   double size() const { return size_; }
 
-  /// See FacetLattice::near; of one member.
+  /// Simplices of one member, see FacetLattice::near.
   std::span<const std::int32_t> near(std::size_t member, const Vector<dim>& x, double distance,
                                      std::vector<std::int32_t>& room) const;
   /// Simplices of all members that are near.
@@ -42,7 +42,7 @@ class FacetSearch {
   /// See FacetLattice::at_least, of the nearest member.
   double at_least(const Vector<dim>& middle, const Vector<dim>& half) const;
   double at_least(std::size_t member, const Vector<dim>& middle, const Vector<dim>& half) const;
-  /// The same as at_least, for larger boxes and up to larger distances.
+  /// Like at_least, for larger boxes and up to larger distances.
   double far_at_least(const Vector<dim>& middle, const Vector<dim>& half) const;
   /// Lists for distances up to this are kept [m].
   double reach() const { return reach_; }

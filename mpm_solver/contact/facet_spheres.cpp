@@ -7,9 +7,10 @@ namespace gabion::mpm {
 
 namespace {
 
-// Along the normal of a contact, after the step: the gap stays what it was. Towards the surface a
-// rigid sphere goes no farther than its radius beyond the place where it was laid. Where it opens,
-// it goes back to its point as far as it does not touch.
+// Offset along the normal of a contact after the step, with which the gap stays what it was.
+// Towards the surface a rigid sphere goes no farther than its radius beyond the place where it was
+// laid. Where the contact opens, the sphere goes back to its point as far as it stays free of
+// contact.
 // @param laid  offset with which it was laid [m]
 template <int dim>
 double offset_after(const ContactCandidate<dim>& c, const ContactPoint<dim>& contact,
@@ -21,7 +22,8 @@ double offset_after(const ContactCandidate<dim>& c, const ContactPoint<dim>& con
   return std::max(offset - contact.gap - contact.initial_penetration, 0.0);
 }
 
-// The deepest contact of a sphere comes last: it holds where normals are not at right angles.
+// The deepest contact of a sphere is applied last: it decides where normals are not at right
+// angles.
 template <int dim>
 void accept_offsets(FacetParts<dim>& parts) {
   parts.points.find_opened();

@@ -13,7 +13,7 @@ namespace {
 // angles.
 constexpr int projections = 20;
 
-// Contact spheres that are off by less, by the cell size, touch.
+// Contact spheres whose distance is below this share of the cell size are in contact.
 constexpr double round_off = 1e-9;
 
 /// Soil that was laid at a side nearer to the surface than this share of a cell rests on it,
@@ -35,7 +35,7 @@ std::vector<RestingPlace<dim>> FacetStart<dim>::places_at_rest(Candidate& c,
   for (const auto& side : sides) deepest = std::max(deepest, side.depth);
   const double tolerance = touching_share * parts_.laws.cell_size(), reach = deepest + tolerance;
   const bool stressed = rest.is_stressed[c.body] != 0;
-  // Soil that is free of stress may move fast: what is along its path does not matter here.
+  // Soil that is free of stress may move fast: surfaces along its path do not matter here.
   c.margin = stressed ? std::max(c.margin, reach) : reach;
   for (const auto& feature : parts_.search.features_at_rest(c, reach)) {
     const Vector<dim>& n = feature.normal;
@@ -60,7 +60,7 @@ std::vector<RestingPlace<dim>> FacetStart<dim>::places_at_rest(Candidate& c,
   return places;
 }
 
-// Sets the sphere off to where it touches.
+// Set the sphere off until it is in contact.
 template <int dim>
 void FacetStart<dim>::set_off(Places places, Candidate& c) {
   Vector<dim> offset = Vector<dim>::Zero();

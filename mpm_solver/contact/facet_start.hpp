@@ -16,7 +16,7 @@ class FacetStart {
       : parts_(parts), assembly_(assembly) {}
 
   /// Set contact spheres off to the surface that their soil lies on, and give those of soil under
-  /// stress the depths and slips of its forces. Without effect between steps.
+  /// stress the depths and slips of its forces. Does nothing between steps.
   /// @returns whether soil is under stress: the contact points are then those of the start
   bool begin(const SoilAtRest<dim>& rest);
 

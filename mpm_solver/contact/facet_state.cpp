@@ -16,7 +16,7 @@ namespace {
 // Share of an explicit step's own force, beyond the force that lasts, that is added to it.
 constexpr double lasting_share = 0.2;
 
-// Share of a radius: less is no depth that a contact began with.
+// Initial penetrations below this share of the radius count as none.
 constexpr double rounding = 1e-9;
 
 }  // namespace
@@ -27,7 +27,7 @@ void FacetState<dim>::begin_step(const SoilSurface<dim>& soil) {
   dt_ = soil.dt;
 }
 
-// A contact sphere that touched nothing else goes back to its point.
+// A contact sphere without another contact goes back to its point.
 template <int dim>
 void FacetState<dim>::drop(std::size_t member) {
   Member& own = members_[member];

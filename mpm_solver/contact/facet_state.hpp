@@ -25,7 +25,7 @@ class FacetState final : public ContactState<dim> {
   double deepest() const { return deepest_; }
   /// Make the end of the step the accepted state. Collective.
   void accept();
-  /// What the springs of a member hold is lost, and it is forgotten.
+  /// Forget a member; the energy of its springs is lost.
   void drop(std::size_t member);
 
   void begin_at_rest(const SoilAtRest<dim>& rest) override;
@@ -69,7 +69,7 @@ class FacetState final : public ContactState<dim> {
   std::vector<Member> members_;
   double deepest_ = 0;
   MPI_Comm comm_ = MPI_COMM_SELF;
-  double dt_ = 0;  // of the step under way [s]
+  double dt_ = 0;  // of the current step [s]
 };
 
 }  // namespace gabion::mpm

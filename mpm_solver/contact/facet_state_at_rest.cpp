@@ -12,7 +12,7 @@ void FacetState<dim>::begin_at_rest(const SoilAtRest<dim>& rest) {
   if (start_.begin(rest)) remember_contacts(rest);
 }
 
-// The accepted state is that in which the contacts stand as they do.
+// Make the contacts, as they are, the accepted state.
 template <int dim>
 void FacetState<dim>::remember_contacts(const SoilAtRest<dim>& rest) {
   parts_.memory.take_contacts();
@@ -21,7 +21,7 @@ void FacetState<dim>::remember_contacts(const SoilAtRest<dim>& rest) {
     member.stored_slip = 0;
   }
   for (const Point& contact : parts_.points.all()) {
-    // Soil that is free of stress touches by rounding at most: its contact has not begun.
+    // Soil that is free of stress is in contact by rounding at most: its contact has not begun.
     if (!rest.is_stressed[parts_.points.candidate(contact).body]) continue;
     const Remembered memory = memory_of(contact);
     Member& member = members_[contact.owner];

@@ -20,7 +20,7 @@ class FacetSubsteps final : public ContactSubsteps<dim> {
 
   explicit FacetSubsteps(FacetParts<dim>& parts) : parts_(parts), sums_(parts.num_members()) {}
 
-  /// A step begins that has none as yet.
+  /// Begin a step, which has no substeps as yet.
   void begin_step() { has_substeps_ = false; }
   /// Whether the step has substeps.
   bool has_substeps() const { return has_substeps_; }

@@ -13,7 +13,7 @@ using namespace sights;
 
 namespace {
 
-// What is nearer than a limit to within this share of it may be beyond it by rounding.
+// Distances within this share of a limit may be on either side of it by rounding.
 constexpr double rounding = 1e-6;
 
 template <int dim>
@@ -27,7 +27,7 @@ class Front {
  public:
   Front(const FrontView<dim>& view, const Path<dim>& path) : view_(view), path_(path) {}
 
-  // Whether a simplex of the list surely is farther from the end of the way.
+  // Whether a simplex of the list surely is farther from the end of the displacement path.
   bool is_beyond(const FacingSimplex& facing, double distance) const {
     return facing.distance - view_.nearer > (1 + rounding) * distance ||
            is_beyond(facing.simplex, path_.to, distance);
@@ -78,8 +78,8 @@ class Front {
 
 enum class Answer { no, yes, unknown };
 
-// See find_features: whether a simplex meets another one in an inside corner at its side without
-// corner k. @param farthest  all simplices that are nearer to `y` are known [m]
+// See find_features: whether a simplex meets another one in a re-entrant corner at its side without
+// corner k. @param farthest all simplices that are nearer to `y` are known [m]
 template <int dim>
 Answer bends_inwards(const Front<dim>& front, const Sight<dim>& sight, int k, double farthest) {
   const FacingSurface<dim>& surface = front.surface();
@@ -115,7 +115,7 @@ Answer fades_out(const Front<dim>& front, const Sight<dim>& sight, const Surface
   return Answer::yes;
 }
 
-// See find_features. @param within  of its own simplex the foot is no farther away [m]
+// See find_features. @param within largest distance of the foot on its own simplex [m]
 template <int dim>
 void move_to_nearest(const Front<dim>& front, double within, SurfaceFeature<dim>& foot) {
   const FacingSurface<dim>& surface = front.surface();
@@ -134,7 +134,7 @@ void move_to_nearest(const Front<dim>& front, double within, SurfaceFeature<dim>
   }
 }
 
-// Whether all sights are of simplices that the point is not behind, nor behind farther ones.
+// Whether the point is behind none of the simplices seen, nor behind farther ones.
 template <int dim>
 bool is_in_front(const std::vector<Sight<dim>>& sights, bool has_touched, double reach) {
   for (const Sight<dim>& sight : sights) {

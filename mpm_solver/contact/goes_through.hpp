@@ -27,8 +27,8 @@ inline bool goes_through(const Vector<3>& x, const Vector<3>& y,
   return side(0, 1) == side(1, 2) && side(1, 2) == side(2, 0);
 }
 
-/// A direction along no line of a grid: sights along those would else go through corners of
-/// simplices, which are on them often.
+/// A direction along no line of a grid: lines of sight along those would often go through corners
+/// of simplices.
 template <int dim>
 Vector<dim> aside() {
   if constexpr (dim == 2)

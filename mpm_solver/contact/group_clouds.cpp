@@ -17,7 +17,7 @@ constexpr double reach = 2;
 template <int dim>
 using Box = Eigen::AlignedBox<double, dim>;
 
-// Around the places that each rank owns, and those that it looks at.
+// Boxes around the places that each rank owns, and those that it looks at.
 template <int dim>
 std::vector<Box<dim>> boxes_of_ranks(const SoilSurface<dim>& soil,
                                      const std::vector<SharedPlace<dim>>& places) {
@@ -107,7 +107,7 @@ void GroupClouds<dim>::add_point(std::int32_t e, std::int32_t body,
   }
 }
 
-// The own parts of all clouds go to the ranks that own a place near them.
+// Send the own parts of all clouds to the ranks that own a place near them.
 template <int dim>
 void GroupClouds<dim>::add_points_of_others() {
   const std::vector<Box<dim>> boxes = boxes_of_ranks(soil_, places_);
@@ -126,7 +126,7 @@ void GroupClouds<dim>::add_points_of_others() {
   number_places();
 }
 
-// The points of some places, then what the places have of them.
+// Pack the points of some places, then what the places have of them.
 template <int dim>
 void GroupClouds<dim>::put(const std::vector<std::int32_t>& which, Packet& packet) const {
   std::map<std::int32_t, std::int32_t> number;  // of the points in the packet
@@ -165,7 +165,8 @@ void GroupClouds<dim>::take(Packet& packet) {
   while (!packet.empty()) take_clouds(first, packet);
 }
 
-// What another rank has of one cloud. @param first_point  of its points among those of other ranks
+// Unpack what another rank has of one cloud. @param first_point of its points among those of other
+// ranks
 template <int dim>
 void GroupClouds<dim>::take_clouds(std::int32_t first_point, Packet& packet) {
   const auto place = packet.take<std::int32_t>();

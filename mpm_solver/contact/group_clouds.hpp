@@ -29,9 +29,9 @@ struct SharedPlace {
   std::vector<GroupCloud<dim>> clouds{};
 };
 
-/// The nodes of the accepted state on which several groups weigh, with their points. A rank has
-/// those of its own points, the ones it owns and those around these with the points of all ranks.
-/// Refers to the soil.
+/// The nodes of the accepted state on which several groups weigh, with their points. A rank has the
+/// nodes of its own points; those that it owns, and those around them, with the points of all
+/// ranks. Refers to the soil.
 template <int dim>
 class GroupClouds {
  public:
@@ -39,7 +39,7 @@ class GroupClouds {
   GroupClouds(const SoilSurface<dim>& soil, const BodyGroups& groups,
               const GroupsAtNodes<dim>& at_nodes);
 
-  /// By place.
+  /// The shared places, in ascending order.
   const std::vector<SharedPlace<dim>>& places() const { return places_; }
   /// The shared place of a node, null: it is none.
   const SharedPlace<dim>* find(std::int32_t place) const {

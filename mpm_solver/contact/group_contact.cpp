@@ -21,7 +21,7 @@ namespace {
 constexpr double renewal = 2;
 
 // Spheres of points that overlap by more than this share of the cell size, where no contact was
-// closed before, are worth a warning.
+// closed before, give a warning.
 constexpr double notable_overlap = 0.25;
 
 // Share of the cell size by which the spheres along a normal overlap more than any two of them do
@@ -49,9 +49,9 @@ Vector<dim> turned_slip(const Vector<dim>& slip, const Vector<dim>& n) {
   return size > 0 ? Vector<dim>(turned * (slip.norm() / size)) : Vector<dim>(Vector<dim>::Zero());
 }
 
-// A gap of no less than what closed it before or the nearest points are in each other: across a
-// re-entrant corner a slanted plane parts the points, and the spheres along its normal overlap by
-// far more than the bodies do.
+// A gap not below the gap that the node had when it was closed before, nor below the overlap of the
+// nearest points: across a re-entrant corner a slanted plane separates the points, and the spheres
+// along its normal overlap by far more than the bodies do.
 template <int dim>
 double bounded_gap(const GroupNode<dim>& node, double before) {
   return std::max(node.gap, std::min(before, -node.overlap));
@@ -76,7 +76,7 @@ bool GroupContact<dim>::symmetric() const {
                              [&](const ContactNode& t) { return !law_of(t).has_friction(); });
 }
 
-// Go on with what the node was when the step before ended.
+// Continue with the state of the node at the end of the step before.
 template <int dim>
 void GroupContact<dim>::follow(ContactNode& contact) const {
   GroupNode<dim>& node = contact.node;
@@ -92,7 +92,7 @@ void GroupContact<dim>::follow(ContactNode& contact) const {
   contact.old_slip = turned_slip<dim>(before->slip, node.n);
 }
 
-// A new node in a contact that was closed goes on with it.
+// Give a new node within a closed contact the mean state of the nodes around it.
 template <int dim>
 void GroupContact<dim>::go_on_from_neighbours(const BackgroundGrid<dim>& grid,
                                               ContactNode& contact) const {
@@ -129,9 +129,9 @@ double GroupContact<dim>::stored_at_start(const ContactNode& contact) const {
   return pressed + 0.5 * node.area * law.tangential_penalty * contact.old_slip.squaredNorm();
 }
 
-// What the springs of some nodes store more than when the step before ended is at most what those
-// of the others, and of the nodes that are left, store less: so the springs of a pair never gain by
-// a new gap, area or slip.
+// Limit the rise of the energy stored by some nodes since the end of the step before to the fall of
+// that stored by others, nodes that are left included: the springs of a pair never gain by a new
+// gap, area or slip.
 template <int dim>
 void GroupContact<dim>::keep_stored_energy() {
   const std::size_t num_pairs = groups_.pairs.size();
@@ -161,7 +161,7 @@ void GroupContact<dim>::keep_stored_energy() {
   }
 }
 
-// Empty where a node is not worth a warning.
+// The warning of a node; empty: none.
 template <int dim>
 std::string GroupContact<dim>::text_of_overlap(const SoilSurface<dim>& soil,
                                                const ContactNode& contact) const {
@@ -228,7 +228,7 @@ void GroupContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   contacts_.clear();
   memory_ = own_.of_all(comm_);
   const GroupsAtNodes<dim> at_nodes(comm_, groups_.of_body, soil.nodes.num_places, soil.weights);
-  std::string overlap, corner;  // what is to be said of the first nodes that ask for it
+  std::string overlap, corner;  // warnings of the first nodes that have one
   for (const GroupNode<dim>& node : find_contact_nodes(soil, groups_, at_nodes)) {
     if (corner.empty()) corner = text_of_corner(soil, node);
     ContactNode contact{.node = node};
@@ -264,7 +264,7 @@ void GroupContact<dim>::move(std::span<const double> du, ContactNode& contact) c
   if (contact.gap < 0) set_slip(contact);
 }
 
-// A contact that goes on has slipped since it began; a new one since its way met the surface.
+// Slip of a contact: since it began; of a new one since its displacement path met the surface.
 template <int dim>
 void GroupContact<dim>::set_slip(ContactNode& contact) const {
   const Vector<dim>& n = contact.node.n;

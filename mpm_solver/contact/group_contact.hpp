@@ -17,11 +17,11 @@ namespace gabion::mpm {
 ///     g = g_0 + n . (du_B - du_A) ,  f_B = A Q t ,  f_A = -A Q t
 ///
 /// with the normal n, the gap g_0 and the area A of find_contact_nodes, and t of ContactLaw. A node
-/// that was closed in the step before goes on with its gap and its area; these follow the points
-/// as far as the soil moves through the cells. The slip of a new node is the mean of those of the
-/// closed ones around it. None of that gives energy: keep_stored_energy. The force of a step is
-/// constant in it (NewmarkBossak::step_force_weight). A member is a pair of groups. Refers to the
-/// groups. @pre one rank
+/// that was closed in the step before keeps its gap and its area, which follow the points as far as
+/// the soil moves through the cells. The slip of a new node is the mean of those of the closed ones
+/// around it. None of that gives energy: keep_stored_energy. The force of a step is constant in it
+/// (NewmarkBossak::step_force_weight). A member is a pair of groups. Refers to the groups. @pre one
+/// rank
 template <int dim>
 class GroupContact final : public WholeContact<dim>, public ContactSubsteps<dim> {
  public:
@@ -68,7 +68,7 @@ class GroupContact final : public WholeContact<dim>, public ContactSubsteps<dim>
   void visit_state(StateVisitor& visitor, const std::string& prefix) override;
 
  private:
-  /// A contact node in the step under way.
+  /// A contact node in the current step.
   struct ContactNode {
     GroupNode<dim> node;
     Matrix<dim> frame = Matrix<dim>::Identity();   // normal first
@@ -79,7 +79,7 @@ class GroupContact final : public WholeContact<dim>, public ContactSubsteps<dim>
     Vector<dim> middle_way = Vector<dim>::Zero();  // mean of both
     double gap = 0;
     Vector<dim> slip = Vector<dim>::Zero();       // before the friction limit
-    double slip_share = 1, slip_share_slope = 0;  // of the way; over the gap [1/m]
+    double slip_share = 1, slip_share_slope = 0;  // of the displacement path; over the gap [1/m]
     ContactTraction<dim> traction{};              // in the frame
     Vector<dim> force = Vector<dim>::Zero();      // on the second group [N]
   };
@@ -119,7 +119,7 @@ class GroupContact final : public WholeContact<dim>, public ContactSubsteps<dim>
   std::vector<Vector<dim>> accepted_;  // forces()
   bool said_overlap_ = false, said_corner_ = false;
 
-  // the step under way
+  // the current step
   MPI_Comm comm_ = MPI_COMM_SELF;
   GroupMemory<dim> memory_;  // own_ of all ranks, together
   std::vector<ContactNode> contacts_;

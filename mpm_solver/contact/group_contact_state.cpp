@@ -88,9 +88,10 @@ double GroupContact<dim>::approach_step(double dt, double margin) const {
   return smallest;
 }
 
-// A substep has its forces where the bodies would be at its end without them. As contact opens they
-// are those of springs that are pressed more than at any time in it, and give more than these lose.
-// What they gave too much in all substeps together is taken from what the springs still store.
+// A substep has its forces where the bodies would be at its end without them. As contact opens
+// these are the forces of springs that are pressed more than at any time in the substep, and they
+// give more energy than the springs lose. The sum of that excess over all substeps is taken from
+// what the springs still store.
 template <int dim>
 void GroupContact<dim>::pay_back(Springs& springs) const {
   const double before = energy_.stored - stored_slip_;

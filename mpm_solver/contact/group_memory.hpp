@@ -33,7 +33,7 @@ class GroupMemory {
   /// @pre by place, then by pair
   void replace(std::vector<RememberedNode<dim>> nodes) { nodes_ = std::move(nodes); }
   const std::vector<RememberedNode<dim>>& nodes() const { return nodes_; }
-  /// Remembered nodes of all ranks, of which no two have the same. @note Collective.
+  /// Remembered nodes of all ranks; no node is on two of them. @note Collective.
   GroupMemory of_all(MPI_Comm comm) const;
   /// @throws Error  not one of num_places or num_pairs, or one twice
   void visit_state(StateVisitor& visitor, const std::string& prefix, std::int32_t num_places,

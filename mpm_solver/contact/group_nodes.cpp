@@ -13,7 +13,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Share of the area of a cell's facet: smaller ones carry nothing.
+// Contact areas below this share of the area of a cell's facet carry nothing.
 constexpr double least_area = 1e-6;
 
 // The smaller surface of two gives the area of the contact where it is less than this share of the
@@ -35,7 +35,7 @@ std::vector<Vector<dim>> relative_places(const SoilSurface<dim>& soil,
 template <int dim>
 constexpr std::size_t few_points = 3 << (dim - 1);
 
-// The points of a cloud; where they are few, those of the clouds of the group around it besides.
+// The points of a cloud; where they are few, also those of the clouds of the group around it.
 template <int dim>
 std::vector<std::int32_t> points_about(const SoilSurface<dim>& soil, const GroupClouds<dim>& search,
                                        std::int32_t place, const GroupCloud<dim>& cloud) {

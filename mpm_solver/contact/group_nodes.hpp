@@ -18,8 +18,8 @@ struct GroupNode {
   std::int32_t first = 0, second = 0;   ///< active nodes of the two groups
   Vector<dim> n = Vector<dim>::Zero();  ///< of length 1, from the first group to the second
   double gap = 0;                       ///< between the two at the node [m]
-  bool separates = false;               ///< a plane lies between them; else the gap is not
-                                        ///< below 0, however deep they are in each other
+  bool separates = false;               ///< a plane lies between them; else the gap is never below
+                                        ///< 0, however far they overlap
   double overlap = 0;                   ///< of the contact spheres of the nearest points [m]
   double area = 0;                      ///< of the contact that the node stands for [m^2]
   double modulus = 0;                   ///< the smaller P-wave modulus [Pa]
@@ -34,7 +34,7 @@ std::vector<GroupNode<dim>> find_contact_nodes(const SoilSurface<dim>& soil,
                                                const BodyGroups& groups,
                                                const GroupsAtNodes<dim>& at_nodes);
 
-/// Nodes of a box at most so many cells from a node along each axis, that one among them.
+/// Nodes of a box within so many cells of a node along each axis, the node included.
 template <int dim>
 std::vector<std::int32_t> places_around(const BackgroundGrid<dim>& grid, std::int32_t place,
                                         int reach);

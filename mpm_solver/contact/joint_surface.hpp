@@ -46,9 +46,9 @@ class JointSurface {
 
   /// @param sphere  diameter of the largest contact sphere [m]
   void begin_step(double sphere) { search_.begin_step(simplices_, start_, sphere); }
-  /// See Contact::set_displacement.
+  /// Set the displacement, see Contact::set_displacement.
   void set_displacement(std::span<const double> displacement, std::size_t member);
-  /// See ContactSubsteps::set_share.
+  /// Move to a share of the step, see ContactSubsteps::set_share.
   void set_share(double share);
   /// The share of the step at which the vertices are.
   double share() const { return share_; }
@@ -62,7 +62,7 @@ class JointSurface {
 
   /// Make the end of the step the accepted state.
   void accept();
-  /// See Contact::drop.
+  /// Let a member act no more, or again, see Contact::drop.
   void drop(std::size_t member, bool dropped);
   void visit_vertices(StateVisitor& visitor, const std::string& prefix);
   void visit_member(std::size_t m, StateVisitor& visitor, const std::string& prefix) {

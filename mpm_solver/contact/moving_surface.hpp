@@ -20,7 +20,7 @@ struct FacetPoint {
 /// n midpoints on a segment; on a triangle or quadrilateral the rule with n points.
 std::vector<FacetPoint> facet_points(CellType type, int n);
 
-/// A surface at the end of the step under way.
+/// A surface at the end of the current step.
 template <int dim>
 class MovingSurface {
  public:

@@ -18,8 +18,8 @@ struct RestingPlace {
   std::int32_t owner = 0;                    ///< surface of the contact that has the face
 };
 
-/// The displacement u whose depths n_k . u give each face the traction that it has at rest, where
-/// ShortestExit shares them (docs/theory/interface.md, (I17)):
+/// The displacement u whose depths n_k . u give each face the traction that it has at rest, with
+/// the depths shared by ShortestExit (docs/theory/interface.md, (I17)):
 ///
 ///     s = sum_k square_k n_k ,   u = s / sqrt(|s|)
 ///

@@ -13,8 +13,8 @@ namespace gabion::mpm {
 
 namespace {
 
-// Soil and surface may come nearer by this share of a cell, beyond what their speeds say, before a
-// step is refused that did not look so far.
+// Share of a cell by which soil and surface may come nearer than their speeds say; beyond it the
+// search was too short and the step is refused.
 constexpr double watched_share = 0.5;
 
 // Rims that are nearer to a surface than this share of a sphere's radius meet it.
@@ -22,11 +22,11 @@ constexpr double seam_share = 1e-3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// How far away a group has to be for its clearance to tell that it touches nothing, in the way of
-// its points by their speed.
+// Distance at which the clearance of a group tells that none of its points is in contact, in
+// displacements of these points by their speed.
 constexpr double far_ways = 2;
 
-// What is nearer than a limit to within this share of it may be beyond it by rounding.
+// Distances within this share of a limit may be on either side of it by rounding.
 constexpr double rounding = 1e-9;
 
 template <int dim>
@@ -81,7 +81,7 @@ double PointSearch<dim>::allowed_motion(std::size_t member) const {
   return own.dropped ? infinity : limits_[member].watched - own.motion;
 }
 
-// @param margin  what is farther from any point cannot be touched [m]
+// @param margin  places farther from all points than this are out of reach [m]
 template <int dim>
 void PointSearch<dim>::watch_points(double margin) {
   memory_.make_index();
@@ -207,7 +207,7 @@ void PointSearch<dim>::add_values(const CellGroup& group, std::int32_t entry) {
   for (int i = 0; i < n; ++i) nodes_.push_back(soil.nodes.active[group_nodes[local[i]]]);
 }
 
-// Members that the point may touch in the step, by its speed as it begins.
+// Members that the point may meet in the step, by its speed at the start.
 template <int dim>
 void PointSearch<dim>::mark_touching(const Watched& point, const CellGroup& group) {
   if (point.memory) {
@@ -249,9 +249,9 @@ void PointSearch<dim>::complete_near(double distance) {
   }
 }
 
-// Only facets that a point is in front of can be touched by it: not those behind which it is, such
-// as the far side of a thin structure. A point whose centre went through the side that it touched
-// belongs to that side still.
+// A point can be in contact only with facets that it is in front of: not with those behind which it
+// is, such as the far face of a thin structure. A point whose centre went through the face that it
+// met still belongs to that face.
 template <int dim>
 typename PointSearch<dim>::Facing PointSearch<dim>::facing_of(const Candidate& c) const {
   Facing facing;
@@ -330,8 +330,8 @@ void PointSearch<dim>::face_next_members(const Candidate& c, const Behind& behin
   }
 }
 
-// The point no longer faces what belongs to another member and lies behind the one that the point
-// went through, with a structure between them.
+// Remove what the point no longer faces: facets of another member that lie behind the one that the
+// point went through, with a structure between them.
 template <int dim>
 void PointSearch<dim>::drop_far_side(const Behind& behind, Facing& facing) const {
   std::erase_if(facing.simplices, [&](const FacingSimplex& simplex) {

@@ -12,21 +12,21 @@
 
 namespace gabion::mpm {
 
-/// A material point that may touch a surface in the step, with its contact sphere.
+/// A material point that may come into contact with a surface in the step, with its contact sphere.
 template <int dim>
 struct ContactCandidate {
-  /// Place of the point, relative to what it touched, when the step begins.
+  /// Place of the point, relative to what it was in contact with, when the step begins.
   enum class Place : char {
     unknown,
-    front,  ///< in front of the nearest simplex that it touched
+    front,  ///< in front of the nearest simplex in contact
     other,
   };
   std::int64_t id = 0;
   std::int32_t body = 0;
-  double margin = 0;            ///< what is farther cannot be touched [m]
-  bool reaches_far = false;     ///< find() looks for places that the point does not touch, too
+  double margin = 0;            ///< places farther away are out of reach [m]
+  bool reaches_far = false;     ///< find() looks for places without contact, too
   bool found = false;           ///< the last find() found a place
-  double touched_distance = 0;  ///< of the nearest simplex that it touched, at the start [m]
+  double touched_distance = 0;  ///< of the nearest simplex in contact, at the start [m]
   double spread = 0;            ///< a node moved by this against the point, in the step [m]
   Place place = Place::unknown;
   bool is_listed = false;                       ///< what it faces
@@ -35,7 +35,7 @@ struct ContactCandidate {
   Matrix<dim> shape = Matrix<dim>::Identity();  ///< |shape^T n| is R in direction n [m]
   double volume = 0;                            ///< [m^dim]
   double modulus = 0;                           ///< of P waves [Pa]
-  bool took_weight = false;  ///< it began to touch in a step in which soil took its weight
+  bool took_weight = false;  ///< contact began in a step in which soil took its weight
   double weight = 0;         ///< SoilSurface::weights_of, of its body [Pa]
   double pore_pressure = 0;  ///< SoilSurface::pore_pressures [Pa]
   bool deforms = false;      ///< the sphere is strained like the soil; else it is rigid
@@ -58,8 +58,8 @@ struct ContactCandidate {
   double mean_radius() const { return shape.norm() / std::sqrt(double{dim}); }
 };
 
-/// Search for the places of a surface that the material points of this rank may touch in a step.
-/// Points far from the surface are watched only; one that comes near becomes a candidate.
+/// Search for the places of a surface that the material points of this rank may meet in a step.
+/// Points far from the surface are only watched; a point that comes near becomes a candidate.
 template <int dim>
 class PointSearch {
  public:
@@ -79,9 +79,9 @@ class PointSearch {
   void end_step();
   /// None between steps.
   const std::optional<SoilSurface<dim>>& soil() const { return soil_; }
-  /// Whether a member may be touched in the step.
+  /// Whether a member may be in contact in the step.
   bool can_touch(std::size_t member) const { return limits_[member].may_touch; }
-  /// A member acts no more, or again.
+  /// Let a member act no more, or again.
   void drop(std::size_t member) { limits_[member].may_touch = false; }
   /// See Contact::allowed_motion.
   double allowed_motion(std::size_t member) const;
@@ -106,8 +106,8 @@ class PointSearch {
   /// Places within reach of the points at the end of the step, point by point.
   /// @param du  of the soil, nodes x dim [m]
   void find(std::span<const double> du, const Take& take);
-  /// Places where the spheres stand off from the surface at the end of the step, of those that
-  /// are rigid, which find() looks no farther ahead for than they may touch.
+  /// Places where the spheres stand off from the surface at the end of the step, for rigid spheres,
+  /// which find() searches only as far as they may come into contact.
   void find_opened(const Take& take);
   std::span<const double> du() const { return du_; }  ///< of the last find()
 
@@ -127,7 +127,8 @@ class PointSearch {
   /// A point that is looked at in the step, closely only where it comes near a surface.
   struct Watched {
     std::int32_t entry = 0;               // of the weights
-    std::int32_t candidate = -1;          // it is this one; -1: it never came near as yet
+    std::int32_t candidate = -1;          // number of the candidate; -1: it has not come near as
+                                          // yet
     Vector<dim> x = Vector<dim>::Zero();  // of the sphere
     double reach = 0;                     // of the sphere and its offset [m]
     double clearance = 0;                 // no simplex is nearer when the step begins [m]
@@ -148,7 +149,7 @@ class PointSearch {
   /// Simplex of a member that is nearest to a point, when the step begins.
   struct Near {
     std::int32_t owner = 0;
-    double distance = 0;  // [m], 0 behind a facet that is touched
+    double distance = 0;  // [m], 0 behind a facet in contact
     SurfaceFeature<dim> place{};
   };
   /// Simplices that a point faces when the step begins.
@@ -157,7 +158,7 @@ class PointSearch {
     std::vector<Near> near;
     double distance = 0;  // to the nearest simplex, 0 behind one [m]
   };
-  /// The facet that a point touched and is nearest to, when the step begins.
+  /// The facet in contact with a point that is nearest to it, when the step begins.
   struct Behind {
     double distance = std::numeric_limits<double>::infinity();  // [m]
     double height = 0;                                          // of the point above it [m]
@@ -202,9 +203,9 @@ class PointSearch {
   ContactMemory<dim>& memory_;
   std::vector<Limits> limits_;  // of the members
 
-  // the step under way
+  // the current step
   std::optional<SoilSurface<dim>> soil_;
-  double margin_ = 0;  // at no speed: what is farther cannot be touched in the step [m]
+  double margin_ = 0;  // at any speed: places farther away are out of reach in the step [m]
   std::vector<Watched> watched_;
   std::vector<WatchedGroup> watched_groups_;
   std::vector<Candidate> candidates_;  // the watched points that came near, as they did
@@ -216,7 +217,7 @@ class PointSearch {
   std::vector<double> du_;
   std::vector<char> at_rest_;  // of each member, in the step
   std::vector<SurfaceFeature<dim>> features_;
-  std::vector<KnownContact<dim>> known_;  // room for what a point touched
+  std::vector<KnownContact<dim>> known_;  // room for what a point was in contact with
   std::vector<std::int32_t> near_;        // room for a list
   std::vector<FacingSimplex> faced_;      // room for a list
 };

@@ -11,11 +11,11 @@ namespace gabion::mpm {
 
 namespace {
 
-// What is nearer than a limit to within this share of it may be beyond it by rounding.
+// Distances within this share of a limit may be on either side of it by rounding.
 constexpr double rounding = 1e-9;
 
-// What a candidate faces is listed beyond what is needed by this share of that and of the way that
-// is still ahead of it in the step.
+// The simplices that a candidate faces are listed farther than needed, by this share of the needed
+// distance and of the displacement still ahead in the step.
 constexpr double listed_ahead = 0.1;
 
 // Sum of |grad N_i| of a point, or more.
@@ -95,8 +95,8 @@ typename PointSearch<dim>::NodalBox PointSearch<dim>::box_of(const CellGroup& gr
   return {.middle = 0.5 * (low + high), .half = 0.5 * (high - low)};
 }
 
-// Whether find_features would surely find nothing: the point touched nothing when the step began,
-// and no simplex is in reach at its end, nor one that it may have come behind (front_reach).
+// Whether find_features would surely find nothing: the point had no contact when the step began,
+// and at its end no simplex is in reach, nor one that it may have come behind (front_reach).
 // @param box  of the displacements of its nodes
 template <int dim>
 bool PointSearch<dim>::stays_away(const Watched& point, const CellGroup& group,
@@ -117,7 +117,7 @@ bool PointSearch<dim>::stays_away(const Watched& point, const CellGroup& group,
   return search.at_least(point.x + box.middle, box.half) - surface_.motion() > least;
 }
 
-// The same of all points of a group.
+// stays_away() for all points of a group.
 template <int dim>
 bool PointSearch<dim>::stays_away(const WatchedGroup& watched, const NodalBox& box) const {
   const double spread = box.half.norm();
@@ -159,9 +159,9 @@ void PointSearch<dim>::find_of(Candidate& c, std::span<const double> du) {
   c.found = !features_.empty();
 }
 
-// Distance from the centre of its sphere, at the end of its displacement path, within which a point
-// feels the surface: the surface of the sphere goes against the centre by no more than its nodes,
-// or its strain, do.
+// Distance from the centre of its sphere, at the end of its displacement path, within which a
+// surface acts on a point: the surface of the sphere moves against the centre by no more than its
+// nodes, or its strain, do.
 template <int dim>
 double PointSearch<dim>::reach_of(const Candidate& c) const {
   const double against_centre = std::max(c.H.norm() * c.shape.norm(), c.spread);
@@ -169,8 +169,8 @@ double PointSearch<dim>::reach_of(const Candidate& c) const {
          largest_initial_penetration<dim>(c.memory);
 }
 
-// Largest distance of a place that it touches, if the sphere is rigid: the plane of a simplex
-// pushes a little beyond its end (find_features).
+// Largest distance of a contact point, if the sphere is rigid: the plane of a simplex pushes a
+// little beyond its end (find_features).
 template <int dim>
 double PointSearch<dim>::touch_reach(const Candidate& c) const {
   const double size = c.shape.norm() + c.offset.norm(), R = c.mean_radius();
@@ -193,7 +193,7 @@ void PointSearch<dim>::find_opened(const Take& take) {
   }
 }
 
-// Whether the point is in front of the nearest simplex of those that it touched.
+// Whether the point is in front of the nearest simplex with which it was in contact.
 template <int dim>
 typename PointSearch<dim>::Place PointSearch<dim>::place_of(Candidate& c) {
   if (!c.memory) return Place::front;
@@ -213,9 +213,9 @@ typename PointSearch<dim>::Place PointSearch<dim>::place_of(Candidate& c) {
   return known && height > 0 ? Place::front : Place::other;
 }
 
-// What the candidate faces around the end of its way, listed for the step; made anew where its way
-// leads farther.
-// @param needed  all that is as near to the end of the way has to be listed [m]
+// The simplices that the candidate faces around the end of its displacement path, listed for the
+// step; the list is made anew where the path leads farther.
+// @param needed  all within this distance of the end of the path have to be listed [m]
 // @returns see FrontView::nearer
 template <int dim>
 double PointSearch<dim>::list_around(Candidate& c, const FrontView<dim>& view, double needed) {
@@ -262,7 +262,7 @@ bool PointSearch<dim>::look_in_front(Candidate& c, const FeatureReach& reach, do
   return features_in_front<dim>(view, c.x, y, reach, features_);
 }
 
-// A point that came off may have what it touched farther away than its reach.
+// A point that came off may be farther away from its former contact than its reach.
 template <int dim>
 void PointSearch<dim>::find_features_of(Candidate& c, double reach) {
   const FeatureReach feature_reach{reach, c.mean_radius()};
@@ -278,7 +278,7 @@ void PointSearch<dim>::find_features_of(Candidate& c, double reach) {
   find_features<dim>(view_of(c), c.x, c.x + c.motion, feature_reach, features_);
 }
 
-// The motion of a point in the last add_forces [m].
+// The displacement of a point in the last add_forces [m].
 template <int dim>
 Vector<dim> PointSearch<dim>::motion_of(std::int32_t entry, const CellGroup& group) const {
   Vector<dim> motion = Vector<dim>::Zero();
@@ -294,7 +294,7 @@ Vector<dim> PointSearch<dim>::motion_of(std::int32_t entry, const CellGroup& gro
   return motion;
 }
 
-// A point that touched nothing and is far away, or slow, cannot ask for the smallest step.
+// A point without contact that is far away, or slow, cannot require the smallest step.
 template <int dim>
 double PointSearch<dim>::approach_step(double dt, double margin) const {
   double result = std::numeric_limits<double>::infinity();

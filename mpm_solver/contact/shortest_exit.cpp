@@ -8,7 +8,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// A plane that lacks less than this share of its depth is led out of.
+// A displacement leads out of a plane if it lacks less than this share of the depth.
 constexpr double negligible = 1e-9;
 
 /// Looks through the sets of at most dim planes for the one whose displacement leads out of all.

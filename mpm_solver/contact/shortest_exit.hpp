@@ -10,7 +10,7 @@ namespace gabion::mpm {
 
 /// The shortest displacement out of several planes: u = sum_k depths_k n_k, depths_k > 0, of all u
 /// with n_l . u >= delta_l. It changes continuously where a plane comes in, at any angle: two that
-/// are nearly parallel push as one, two at right angles each for itself.
+/// are nearly parallel push as one, two at right angles independently.
 template <int dim>
 struct ShortestExit {
   int size = 0;                               ///< number of planes that push

@@ -18,22 +18,22 @@ namespace {
 // it.
 constexpr double tiny_share = 1e-9;
 
-// Share of the same edge: points are looked at from this distance beside them. Otherwise lines of
-// sight along the grid would pass through corners of simplices, which often lie on it.
+// Share of that edge: lines of sight start this far beside the points. Otherwise lines of sight
+// along the grid would pass through corners of simplices, which often lie on it.
 constexpr double aside_share = 1e-6;
 
 // A point is at an end of a wall where the nearest face is seen at more than 60 degrees off its
 // normal.
 constexpr double before_cosine = 0.5;
 
-// The place that stands for a side of a node within a wall is this share of the way from the
+// The place that stands for a side of a node within a wall lies at this share of the line from the
 // nearest place of the face to the face's middle, so that it is before no other face of a corner.
 constexpr double inward_share = 1e-3;
 
 constexpr std::int32_t unknown = -1;
 constexpr std::int32_t no_face = -2;
 
-// Faces that a sight goes through, from their front and from their back.
+// Faces that a line of sight goes through, from their front and from their back.
 struct Sight {
   int entered = 0, left = 0;
   std::int32_t last = no_face;  // that was entered
@@ -126,7 +126,8 @@ void SideFields<dim>::follow(const Surfaces<dim>& surfaces) {
   hash_.emplace(acting_, faces_.vertices, 2 * reach_);
 }
 
-// The face that is nearest to a node, of several the one that the node is before; or no_face.
+// The face that is nearest to a node (of several equally near ones that which the node is before),
+// or no_face.
 template <int dim>
 std::int32_t SideFields<dim>::face_of(std::int32_t node) {
   std::int32_t& known = face_of_.at(node);
@@ -262,7 +263,7 @@ void SideFields<dim>::look(const MaterialPoints<dim>& points, const PointWeights
   }
 }
 
-// Around the nodes that points near thin walls weigh on, of all ranks.
+// Box around the nodes that points near thin walls weigh on, of all ranks.
 template <int dim>
 Eigen::AlignedBox<double, dim> SideFields<dim>::box_of_reached() {
   Eigen::AlignedBox<double, dim> box;

@@ -18,7 +18,8 @@
 
 namespace gabion::mpm {
 
-/// Whether the numbers of doubled nodes fit in: a box that is not too large.
+/// Whether the numbers of doubled nodes fit into an integer: the grid is a box that is not too
+/// large.
 template <int dim>
 bool can_double_nodes(const BackgroundGrid<dim>& grid);
 
@@ -87,7 +88,7 @@ class SideFields {
   std::vector<std::int32_t> which_;         // simplices of thin walls, ascending
   std::vector<std::size_t> surfaces_;       // that have some of them
   double reach_ = 0;                        // no point is farther from its nodes [m]
-  double tiny_ = 0;                         // faces that are nearer to a node touch it [m]
+  double tiny_ = 0;                         // faces nearer to a node than this pass through it [m]
   std::vector<Simplex<dim>> acting_;        // of which_, of surfaces that were not dropped
   std::vector<FacePair> acting_pairs_;      // of acting_
   std::optional<FacetHash<dim>> hash_;      // of acting_

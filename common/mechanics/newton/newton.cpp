@@ -15,11 +15,9 @@ namespace gabion {
 namespace {
 
 constexpr int max_cuts = 8;
-constexpr int max_supported_cuts = 40;  // the most iterations: parts that nothing held may have to
-                                        // come back from far away
+constexpr int max_supported_cuts = 40;  // parts that nothing held may come back from far away
 constexpr double energy_reduction = 0.8;
-constexpr double reuse_reduction = 0.25;  // largest ratio of |r| after to before a step with an old
-                                          // matrix
+constexpr double reuse_reduction = 0.25;  // |r| after by before, at most, with an old matrix
 constexpr double loosest_linear_tolerance = 1e-2;
 constexpr double linear_margin = 3e-1;
 
@@ -272,7 +270,7 @@ bool Newton<block_size>::raise_regularisation() {
 }
 
 // Add support: a matrix that is singular but for round-off has a solution, along which nothing gets
-// better. @returns false where no part can be loose, or where support did not help
+// better.
 // @returns false where no part can be loose, or where support did not help
 template <int block_size>
 bool Newton<block_size>::ask_for_support() {
