@@ -66,7 +66,7 @@ SmallCutSettings read_small_cuts(ConfigReader in, const MpmSettings<dim>& mpm) {
   return settings;
 }
 
-// A box of rectangles or bricks is never made a mesh.
+// Read the grid: a box of rectangles or bricks is never made into a mesh.
 template <int dim>
 BackgroundGrid<dim> read_grid(const Scene& scene, ConfigReader in) {
   auto read = read_box_or_mesh<dim>(scene, in);
@@ -221,7 +221,7 @@ void read_transfer(ConfigReader in, MpmSettings<dim>& settings) {
   in.finish();
 }
 
-// What only a run with inertia knows.
+// Read the settings that only a run with inertia has.
 template <int dim>
 void read_motion(ConfigReader& in, MpmSettings<dim>& settings) {
   const auto& phases = settings.phases;
@@ -237,8 +237,8 @@ void read_motion(ConfigReader& in, MpmSettings<dim>& settings) {
   if (any_dynamic) read_transfer(in.object("transfer"), settings);
 }
 
-// Whether soil is at rest in some part of the run. Then the energy that CellQuadrature may cost is
-// of no account, and the pressure of a cell counts.
+// Whether soil is at rest in some part of the run. Then the energy error of CellQuadrature does not
+// matter, and the pressure of a cell does.
 template <int dim>
 bool any_rests(const MpmSettings<dim>& settings) {
   return std::ranges::any_of(settings.initial_stress, &std::optional<InitialStress>::has_value) ||
@@ -280,7 +280,7 @@ LockingCure read_locking(ConfigReader in, const MpmSettings<dim>& settings) {
   return given ? LockingCure{fbar, "as mpm.json says"} : cure;
 }
 
-// Interfaces and rigid walls name files and columns together.
+// Refuse equal names of interfaces and rigid walls: both name files and columns.
 template <int dim>
 void require_names_apart(const ConfigReader& in, const MpmSettings<dim>& settings) {
   for (std::size_t k = 0; k < settings.rigid_walls.size(); ++k) {
@@ -293,7 +293,7 @@ void require_names_apart(const ConfigReader& in, const MpmSettings<dim>& setting
   }
 }
 
-// Settings of the solution of systems of equations; they are refused where none is solved.
+// Read the settings for systems of equations; they are refused where none is solved.
 template <int dim>
 void read_solvers(ConfigReader& in, MpmSettings<dim>& settings) {
   const char* reason = "has no meaning where all phases are explicit";

@@ -34,7 +34,7 @@ struct PointProbe {
   Vector<dim> point;  ///< [m]
 };
 
-/// mpm.json.
+/// Settings of mpm.json.
 template <int dim>
 struct MpmSettings {
   BackgroundGrid<dim> grid;
@@ -63,9 +63,9 @@ struct MpmSettings {
   SmallCutSettings small_cuts;
   /// Quadratic convergence: a last increment of 1e-3 cells leaves an error of about 1e-6 cells.
   NewtonSettings newton{.residual_tolerance = 1e-5, .increment_tolerance = 1e-3};
-  /// Instead of newton.max_iterations in steps without inertia: sand that takes its weight from the
-  /// unstressed state is far from its first state of rest, and a shorter step does not bring it
-  /// nearer.
+  /// Iteration limit in place of newton.max_iterations in steps without inertia: sand that takes
+  /// its weight from the unstressed state is far from its first state of rest, and a shorter step
+  /// does not bring it nearer.
   int iterations_without_inertia = 200;
   StepControlSettings step_control;
   LinearSolverSettings linear_solver;
@@ -77,8 +77,8 @@ struct MpmSettings {
   Outside outside = Outside::error;
 };
 
-/// Default of scenes where a body yields: e^-4 of the noise of soil that does not flow is left when
-/// sqrt(stress / density) has crossed a cell.
+/// Default of noise_damping in scenes where a body yields: e^-4 of the noise of soil that does not
+/// flow is left when sqrt(stress / density) has crossed a cell.
 inline constexpr double noise_damping_of_soil = 4;
 
 /// Keys of mpm.json.

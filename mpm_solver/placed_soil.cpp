@@ -38,8 +38,8 @@ void PlacedSoil<dim>::begin_at_reference() {
     if (meshes_.empty()) throw;
     problem_ = problem.what();
   }
-  // Without interfaces and stress it has the same probes; where it cannot begin so either, the
-  // interfaces are not to blame.
+  // Without interfaces and stress the soil has equal probes; where it cannot begin so either, the
+  // interfaces are not the cause.
   MpmSettings<dim> bare = *settings_;
   bare.interfaces.clear();
   for (auto& stress : bare.initial_stress) stress.reset();

@@ -12,8 +12,8 @@
 namespace gabion::mpm {
 
 /// A soil whose interfaces may begin displaced: it is set up with them there, at X + u0. Contact,
-/// its checks at the start and initial stress then see them as they see any surface, and u - u0 is
-/// what they receive. Where nothing begins displaced it is the soil itself, to the bit.
+/// its checks at the start and initial stress then see them there, and they receive u - u0. Where
+/// nothing begins displaced, results are those of MpmSolver to the bit.
 /// @note Every function is collective over the ranks of `comm`.
 template <int dim>
 class PlacedSoil final : public Solver, public TakesStart {
@@ -23,13 +23,13 @@ class PlacedSoil final : public Solver, public TakesStart {
   /// state is loaded. Any other function but those of the handshake throws that ConfigError.
   PlacedSoil(MPI_Comm comm, MpmSettings<dim> settings, std::string output_folder);
 
-  /// At X.
+  /// The interfaces at X.
   std::vector<InterfaceMesh> interfaces() const override { return meshes_; }
   std::vector<std::string> probe_names() const override { return soil_->probe_names(); }
   /// Set the soil up again where the interfaces are elsewhere than before.
   /// @throws ConfigError  as the constructor; says how far they are from X
   void set_start(const InterfaceValues& displacements) override;
-  /// Without received values interfaces stay where they began.
+  /// Solve a step; interfaces without received values stay where they began.
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override {

@@ -24,7 +24,7 @@ std::unique_ptr<Solver> make_solver(const Scene& scene, ConfigReader& in, MPI_Co
                                                output_folder);
 }
 
-// Interfaces of a coupled soil may begin displaced.
+// Make the solver; interfaces of a coupled soil may begin displaced.
 template <int dim>
 std::unique_ptr<Solver> make_placed(const Scene& scene, ConfigReader& in, MPI_Comm comm,
                                     const std::string& output_folder) {
@@ -44,7 +44,8 @@ mpm::RankAdvice advice_of(const Scene& scene, ConfigReader& in, AloneSettings* a
   return mpm::advise_ranks(mpm::read_mpm_settings<dim>(scene, in, alone), cores);
 }
 
-// Ranks wait for each other: with one whose core another process uses too, two are slower than one.
+// Reduce the advice to idle cores: ranks wait for each other, and two ranks of which one shares its
+// core with another process are slower than one.
 mpm::RankAdvice on_idle_cores(mpm::RankAdvice advice) {
   constexpr double measured_seconds = 0.3, used_by_the_system = 0.25;
   if (advice.ranks == 1) return advice;

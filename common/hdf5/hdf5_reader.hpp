@@ -30,7 +30,7 @@ class Hdf5Reader {
   /// @throws Error  no such dataset, damaged, or of a type of number that does not fit
   std::vector<double> reals(const std::string& dataset) const;
   std::vector<std::int64_t> integers(const std::string& dataset) const;
-  /// The values of `range`. @throws Error it has fewer
+  /// The values of `range`. @throws Error  it has fewer
   std::vector<double> reals(const std::string& dataset, const ValueRange& range) const;
   std::vector<std::int64_t> integers(const std::string& dataset, const ValueRange& range) const;
   /// Number of values. @throws Error  no such dataset

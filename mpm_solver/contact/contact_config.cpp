@@ -41,7 +41,7 @@ BoundaryPointSettings read_boundary_points(ConfigReader& in, const ContactSettin
 // Nothing is iterated with a rigid wall, so stiff contact costs nothing there.
 constexpr double resting_factor_of_walls = 12;
 
-// The keys of the method facets. @param resting_factor the value where the key is missing
+// The keys of the method facets. @param resting_factor  the value where the key is missing
 FacetSettings read_facets(ConfigReader& in, ContactMode mode, double resting_factor) {
   if (mode == ContactMode::fixed) {
     in.fail("mode",
@@ -58,7 +58,7 @@ FacetSettings read_facets(ConfigReader& in, ContactMode mode, double resting_fac
   return facets;
 }
 
-// The keys of friction that depends on the speed. @param friction at rest
+// The keys of friction that depends on the speed. @param friction  at rest
 FrictionFall read_weakening(ConfigReader& in, double friction) {
   const bool falls = in.has("friction_at_speed");
   for (const char* key : {"friction_at_speed", "weakening_speed", "turbulent_drag"}) {

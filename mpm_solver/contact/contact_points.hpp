@@ -56,7 +56,7 @@ class ContactPoints {
 
   /// Remove all contact points.
   void clear();
-  /// Find the contact points at the end of the step. @param du of the soil, nodes x dim [m]
+  /// Find the contact points at the end of the step. @param du  of the soil, nodes x dim [m]
   void find(std::span<const double> du);
   /// Add to opened() the spheres that find() searches only as far as they may come into contact.
   void find_opened();

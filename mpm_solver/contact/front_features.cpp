@@ -79,7 +79,7 @@ class Front {
 enum class Answer { no, yes, unknown };
 
 // See find_features: whether a simplex meets another one in a re-entrant corner at its side without
-// corner k. @param farthest all simplices that are nearer to `y` are known [m]
+// corner k. @param farthest  all simplices that are nearer to `y` are known [m]
 template <int dim>
 Answer bends_inwards(const Front<dim>& front, const Sight<dim>& sight, int k, double farthest) {
   const FacingSurface<dim>& surface = front.surface();
@@ -115,7 +115,7 @@ Answer fades_out(const Front<dim>& front, const Sight<dim>& sight, const Surface
   return Answer::yes;
 }
 
-// See find_features. @param within largest distance of the foot on its own simplex [m]
+// See find_features. @param within  largest distance of the foot on its own simplex [m]
 template <int dim>
 void move_to_nearest(const Front<dim>& front, double within, SurfaceFeature<dim>& foot) {
   const FacingSurface<dim>& surface = front.surface();

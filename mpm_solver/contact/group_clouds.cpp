@@ -165,7 +165,7 @@ void GroupClouds<dim>::take(Packet& packet) {
   while (!packet.empty()) take_clouds(first, packet);
 }
 
-// Unpack what another rank has of one cloud. @param first_point of its points among those of other
+// Unpack what another rank has of one cloud. @param first_point  of its points among those of other
 // ranks
 template <int dim>
 void GroupClouds<dim>::take_clouds(std::int32_t first_point, Packet& packet) {

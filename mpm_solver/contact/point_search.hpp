@@ -127,8 +127,7 @@ class PointSearch {
   /// A point that is looked at in the step, closely only where it comes near a surface.
   struct Watched {
     std::int32_t entry = 0;               // of the weights
-    std::int32_t candidate = -1;          // number of the candidate; -1: it has not come near as
-                                          // yet
+    std::int32_t candidate = -1;          // number; -1: it has not come near as yet
     Vector<dim> x = Vector<dim>::Zero();  // of the sphere
     double reach = 0;                     // of the sphere and its offset [m]
     double clearance = 0;                 // no simplex is nearer when the step begins [m]

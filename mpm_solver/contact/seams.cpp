@@ -71,7 +71,7 @@ bool are_one(const Corners<dim>& a, const Corners<dim>& b, double tolerance) {
   return !reaches_in_front<dim>(a, b, tolerance) && !reaches_in_front<dim>(b, a, tolerance);
 }
 
-/// Compare the rims of one surface with the other surfaces.
+/// Whether the rim of one surface meets another one so that both are one surface.
 template <int dim>
 bool rim_joins(const std::vector<RimPlace<dim>>& rim, const PlacedSurface<dim>& own,
                const PlacedSurface<dim>& other, double tolerance) {

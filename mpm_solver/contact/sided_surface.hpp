@@ -14,7 +14,8 @@ namespace gabion::mpm {
 /// Distances that differ by less than this share are equal.
 inline constexpr double same_distance = 1e-9;
 
-/// Share of its radius by which a contact sphere may lie in facets, which bulge where they curve.
+/// Share of its radius by which a contact sphere may lie behind facets, since those of a curved
+/// surface bulge.
 inline constexpr double allowed_overlap = 0.05;
 
 /// Which side of a surface a place is on.
@@ -27,7 +28,7 @@ struct SurfaceSide {
   bool in_front() const { return height > 0; }
 };
 
-/// A surface that does not move, to be asked for sides.
+/// A surface at rest that tells on which side a place is.
 template <int dim>
 class SidedSurface {
  public:
@@ -36,7 +37,7 @@ class SidedSurface {
   SidedSurface(const ContactSurface<dim>& surface, std::vector<Vector<dim>> vertices, double reach);
 
   /// The side of the nearest simplex. Where several are equally near, since they meet in an edge,
-  /// that counts whose plane the place is farthest from: it sees the side right.
+  /// the one whose plane is farthest from the place decides: its side is the right one.
   /// @param within  simplices that are farther may be left out [m]
   SurfaceSide side(const Vector<dim>& x,
                    double within = std::numeric_limits<double>::infinity()) const;
@@ -62,7 +63,7 @@ struct StartSphere {
 template <int dim>
 StartSphere<dim> start_sphere(const MaterialPoints<dim>& points, std::int32_t p);
 
-/// How deep a contact sphere lies in a surface of a structure, none: not deeper than allowed [m].
+/// Depth of a contact sphere behind a surface of a structure [m]; empty: no deeper than allowed.
 /// @param side      of the sphere's centre, known
 /// @param measured  the method of contact measures distances from the front
 template <int dim>

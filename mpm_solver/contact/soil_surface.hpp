@@ -14,7 +14,7 @@
 
 namespace gabion::mpm {
 
-/// What a step shows a contact of the soil, at the accepted positions.
+/// The soil as a contact sees it in a step, at the accepted positions.
 template <int dim>
 struct SoilSurface {
   const BackgroundGrid<dim>& grid;
@@ -50,7 +50,7 @@ struct SoilAtRest {
   std::vector<char> is_stressed;
   /// Cauchy stresses of a body under stress along the axes at a place [Pa].
   std::function<Vector<dim>(std::int32_t body, const Vector<dim>& x)> stress;
-  /// Soil that is farther from a surface does not lie on it [m].
+  /// Soil farther than this from a surface does not lie on it [m].
   double deepest_row = std::numeric_limits<double>::infinity();
 };
 

@@ -22,7 +22,7 @@ namespace {
 // Soil within this many cells of a surface is near it.
 constexpr double near_cells = 2;
 
-// By so much facets of a cell's length are longer where a structure begins displaced.
+// Relative elongation that facets of a cell's length may have where a structure begins displaced.
 constexpr double strain_at_start = 1e-3;
 
 // Neighbours that turn by more than 2 degrees are curved, by more than 60 degrees a corner.
@@ -133,7 +133,7 @@ void refuse(const ContactSettings<dim>& settings, const Verdict<dim>& found) {
                        settings.where, found.inside, settings.name, found.deepest, allowed_overlap);
 }
 
-// Whether a simplex has a neighbour that goes round a curve with it.
+// 1 for the simplices that form a curve with a neighbour, else 0.
 template <int dim>
 std::vector<char> curved_simplices(const std::vector<Simplex<dim>>& simplices,
                                    const std::vector<Vector<dim>>& vertices) {

@@ -25,18 +25,18 @@ struct StartSurface {
   bool is_boulder = false;  ///< its facets are its shape, not pieces of a curved one
 };
 
-/// The interfaces, then the rigid walls. Refers to their settings.
+/// The surfaces at time 0: interfaces, then rigid walls. Refers to their settings.
 template <int dim>
 std::vector<StartSurface<dim>> surfaces_at_start(
     const std::vector<ContactSettings<dim>>& interfaces,
     const std::vector<RigidWallSettings<dim>>& walls);
 
 /// Position of this rank's soil relative to a surface at time 0. A material point is a sphere of
-/// the radius MaterialPoints::depth. A point behind a surface counts for the surface that is
-/// nearest to it, and not at all beyond the rim of an open one. It is inside the structure when it
-/// is no farther from the surface than the size of a point: then the surface cuts the soil, or the
-/// structure is thinner than half a point. In front it is when its sphere overlaps the surface and
-/// the method measures distances (`facets`).
+/// the radius MaterialPoints::depth. A point behind surfaces counts only for the nearest one, and
+/// not beyond the rim of an open one. It is inside the structure when it is no farther from the
+/// surface than the size of a point: then the surface cuts the soil, or the structure is thinner
+/// than half a point. In front it is when its sphere overlaps the surface and the method measures
+/// distances (`facets`).
 template <int dim>
 struct SoilAtStart {
   double gap = std::numeric_limits<double>::infinity();  ///< smallest of a point in front [m]
@@ -57,14 +57,14 @@ template <int dim>
 double smallest_gap(MPI_Comm comm, const StartSurface<dim>& surface,
                     const MaterialPoints<dim>& points, double cell_size, double farthest);
 
-/// What to say of a surface whose facets are too long for the grid: more than a cell, or half a
-/// cell where the surface is curved (triangles: the diagonal of such a square). Flat parts of a
-/// rigid wall that meets soil by `facets` may have any length: they do not bend and there is no
-/// integral over them.
+/// Warning of a surface whose facets are too long for the grid: more than a cell, or half a cell
+/// where the surface is curved (triangles: the diagonal of such a square). Flat parts of a rigid
+/// wall that meets soil by `facets` may have any length: they do not bend and there is no integral
+/// over them.
 template <int dim>
 std::optional<std::string> coarse_surface(const StartSurface<dim>& surface, double cell_size);
 
-/// What to say of a surface that lies outside the grid, farther than a cell: soil cannot meet it.
+/// Warning of a surface that lies outside the grid by more than a cell: soil cannot meet it.
 /// @param grid  box around it [m]
 template <int dim>
 std::optional<std::string> outside_grid(const StartSurface<dim>& surface,
@@ -75,8 +75,8 @@ std::optional<std::string> outside_grid(const StartSurface<dim>& surface,
 /// into the grid.
 /// @param grid  box around it [m]
 /// @throws ConfigError  a surface outside the grid; all soil that is near lies behind a surface, so
-///                      that its facets look the wrong way; soil inside the structure. The last two
-///                      not for the mode `fixed`, which may lie in soil.
+///                      that its facets face the wrong side; soil inside the structure. The last
+///                      two do not apply to the mode `fixed`, which may lie in soil.
 /// @note Collective.
 template <int dim>
 void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,

@@ -33,8 +33,9 @@ ContactSurface<dim> surface_of_mesh(const Mesh<dim>& mesh, const std::vector<std
   return surface;
 }
 
-// Pieces of an edge; not an int, which too small a spacing would overflow. Its length is off by the
-// round-off of its ends, which is larger the farther they are from the origin.
+// Number of pieces of an edge, as a double, since too small a spacing would overflow an int. The
+// length of the edge has the round-off of its ends, which grows with their distance from the
+// origin.
 double pieces_of_edge(const Vector<2>& from, const Vector<2>& to, double spacing) {
   const double farthest = std::max(from.lpNorm<Eigen::Infinity>(), to.lpNorm<Eigen::Infinity>());
   const double round_off = 4 * std::numeric_limits<double>::epsilon() * farthest;

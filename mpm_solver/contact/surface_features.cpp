@@ -25,8 +25,8 @@ bool are_in_corner(const FacingSurface<dim>& surface, std::int32_t a, std::int32
 
 namespace {
 
-// Whether the point is behind a simplex: its path led through, or it was behind it and has not come
-// back.
+// Whether the point is behind a simplex: its displacement path led through it, or it was behind it
+// before and has not come back.
 template <int dim>
 bool is_under(const Sight<dim>& sight, const Sight<dim>* touched) {
   if (sight.height > 0) return false;
@@ -36,8 +36,7 @@ bool is_under(const Sight<dim>& sight, const Sight<dim>* touched) {
   return above_inside || sight.distance <= (1 + same_distance) * touched->distance;
 }
 
-// A foot beyond the end of its simplex is on the simplex that is next to it there: the force goes
-// to the vertices around it.
+// A foot beyond the end of its simplex lies on the next simplex, whose vertices get the force.
 template <int dim>
 void move_to_nearest(const FacingSurface<dim>& surface, const std::vector<Sight<dim>>& all,
                      SurfaceFeature<dim>& foot) {
@@ -53,7 +52,7 @@ void move_to_nearest(const FacingSurface<dim>& surface, const std::vector<Sight<
   }
 }
 
-// Whether another simplex meets this one in an inside corner at the side that has no corner k.
+// Whether another simplex meets this one in a re-entrant corner at the side that has no corner k.
 template <int dim>
 bool bends_inwards(const FacingSurface<dim>& surface, const Sight<dim>& sight, int k,
                    const std::vector<Sight<dim>>& all) {
@@ -76,8 +75,9 @@ bool fades_out(const FacingSurface<dim>& surface, const Sight<dim>& sight,
   return true;
 }
 
-// Simplices that were farther from the point cannot count: not within reach, not crossed, and no
-// neighbour of one that counts. A path longer than the reach may lead round a corner behind one.
+// Distance at the start of the step beyond which simplices cannot count: they are not within reach,
+// not crossed, and no neighbours of one that counts. A path longer than the reach may lead round a
+// corner behind a simplex.
 template <int dim>
 double farthest_that_counts(const FacingSurface<dim>& surface, const Vector<dim>& x,
                             const Vector<dim>& y, double reach) {
@@ -102,7 +102,7 @@ void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, cons
     sights.push_back(sight_of<dim>(surface, facing, Path<dim>{x, y}, simplex_normal<dim>(corners)));
   }
   const Sight<dim>* touched = nearest_touched<dim>(sights);
-  const Sight<dim>* behind = nullptr;  // the least deep
+  const Sight<dim>* behind = nullptr;  // the one with the smallest penetration
   for (const Sight<dim>& sight : sights) {
     if (!is_under<dim>(sight, touched)) continue;
     if (!behind || sight.height > behind->height) behind = &sight;

@@ -94,21 +94,21 @@ template <int dim>
 std::vector<SimplexBounds<dim>> bounds_of(std::span<const Simplex<dim>> simplices,
                                           std::span<const Vector<dim>> vertices);
 
-/// A simplex that a point may touch in a step, seen from the point at the start of the step.
+/// A simplex that a point may meet in a step, seen from the point at the start of the step.
 struct FacingSimplex {
   std::int32_t simplex = 0;
-  bool touched = false;  ///< the point touched the surface with about this normal
-  double height = 0;     ///< of the point above its plane [m]; > 0 unless touched
+  bool touched = false;  ///< the point was in contact with the surface with about this normal
+  double height = 0;     ///< of the point above its plane [m]; > 0 unless in contact
   double distance = 0;   ///< of the point, or less [m]
 };
 
 /// Two surfaces whose normals have at most this cosine (53 degrees), with the soil between them,
-/// meet in a corner: each of them pushes for itself.
+/// meet in a corner: they push independently.
 constexpr double corner_cosine = 0.6;
 
 /// Positions of the surface and the simplices that faced a point when a step began. A rim that
 /// meets a simplex at the end of the step, of another surface or of the same one, is no open edge:
-/// there the two are one surface, with or without vertices in common. Not so where two surfaces
+/// there the two are one surface, with or without vertices in common, except where two surfaces
 /// meet in a corner, see corner_cosine.
 template <int dim>
 struct FacingSurface {
@@ -123,7 +123,7 @@ struct FacingSurface {
   double seam = 0;  ///< a rim that is nearer to a simplex meets it [m]
 };
 
-/// Distances within which a point feels a surface.
+/// Distances within which a surface acts on a point.
 struct FeatureReach {
   double distance = 0;  ///< features that are farther do not count [m]
   double radius = 0;    ///< of the contact sphere around the point [m]
@@ -134,10 +134,11 @@ template <int dim>
 bool are_in_corner(const FacingSurface<dim>& surface, std::int32_t a, std::int32_t b);
 
 /// The features of a surface that are within reach of a point that came from x to y, or that its
-/// displacement path went through. Inside corners have several, each a little beyond where its
-/// simplex ends, with the weights of the simplex that is next to it there. Where the point is
-/// behind several features, only the one with the smallest penetration counts, with those that form
-/// re-entrant corners with it. A point that touched and whose centre went through stays behind.
+/// displacement path went through. Re-entrant corners have several, each a little beyond the end of
+/// its simplex, with the weights of the simplex that is next to it there. Where the point is behind
+/// several features, only the one with the smallest penetration counts, with those that form
+/// re-entrant corners with it. A point in contact whose centre went through the surface stays
+/// behind it.
 /// @param features  cleared first
 template <int dim>
 void find_features(const FacingSurface<dim>& surface, const Vector<dim>& x, const Vector<dim>& y,

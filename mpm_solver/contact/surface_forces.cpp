@@ -12,7 +12,7 @@ void Surfaces<dim>::place(std::size_t surface, std::span<const double> displacem
   if (!pools_.empty()) displaced_[surface].assign(displacement.begin(), displacement.end());
 }
 
-// Empty: none press on it, or not on this rank.
+// Forces of pools on a surface; empty: none press on it, or not on this rank.
 template <int dim>
 std::vector<double> Surfaces<dim>::pool_forces_on(std::size_t surface) const {
   if (pools_.empty() || dropped_[surface] != 0 || rank_of(comm_) != 0) return {};

@@ -8,8 +8,7 @@
 
 #include "mpm_solver/contact/surface_features.hpp"
 
-/// What a point sees of the simplices of a surface: the parts of find_features and
-/// features_in_front.
+/// Tests of simplices as seen from a point: the parts of find_features and features_in_front.
 namespace gabion::mpm::sights {
 
 // Two places whose distances from a point differ by less than this share are equally near.
@@ -141,8 +140,8 @@ bool is_minimum(const FacingSurface<dim>& surface, const Sight<dim>& sight,
   });
 }
 
-// Whether a simplex tells better than another one on which side of the surface the point is: the
-// nearer one does; at a corner that they share, the one that has the point in front.
+// Whether a simplex, rather than another one, decides on which side of the surface the point is:
+// the nearer one does; at a shared corner the one that has the point in front.
 template <int dim>
 bool tells_side(const Sight<dim>& a, const Sight<dim>& b) {
   if (a.distance < (1 - same_distance) * b.distance) return true;
@@ -172,7 +171,7 @@ bool is_new(const SurfaceFeature<dim>& feature, const std::vector<SurfaceFeature
   });
 }
 
-// The nearest one of the simplices that the point touched when the step before ended.
+// The nearest of the simplices in contact with the point at the end of the step before.
 template <int dim>
 const Sight<dim>* nearest_touched(const std::vector<Sight<dim>>& sights) {
   const Sight<dim>* best = nullptr;

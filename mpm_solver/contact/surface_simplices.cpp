@@ -9,11 +9,11 @@ namespace gabion::mpm {
 
 namespace {
 
-// Two diagonals that point inwards to within this share of each other do so equally.
+// Two diagonals whose inward components differ by less than this share point inwards equally.
 constexpr double same_way = 1e-9;
 
 // The first corner of a quadrilateral's diagonal that points more to the middle of the surface, 0
-// or 1: a surface that is its own mirror image is cut into one, too.
+// or 1: so that a symmetric surface stays symmetric when cut.
 int cut_from(const ContactSurface<3>& surface, const Vector<3>& middle, const std::int32_t* v) {
   const auto& x = surface.vertices;
   const Vector<3> a = x[v[2]] - x[v[0]], b = x[v[3]] - x[v[1]];

@@ -13,9 +13,9 @@ namespace gabion::mpm {
 template <int dim>
 class GroupContact;
 
-/// All surfaces that may touch the soil: the interfaces, then the rigid walls. Those of the method
-/// `facets` that meet are one contact, see joint_surfaces. Then the contact between groups of
-/// bodies, which has no surface. Refers to their settings.
+/// All surfaces that may be in contact with the soil: the interfaces, then the rigid walls. Those
+/// of the method `facets` that meet are one contact, see joint_surfaces. Last comes the contact
+/// between groups of bodies, which has no surface. Refers to their settings.
 template <int dim>
 class Surfaces {
  public:
@@ -35,8 +35,8 @@ class Surfaces {
   bool asks_for_cells() const;
   /// Grid nodes of all Contact::find_nodes, some of them several times.
   std::vector<std::int32_t> find_nodes(const SoilSurface<dim>& soil);
-  /// Drop the rigid walls that are not named and no boulders: they act no more, for the rest of the
-  /// run.
+  /// Drop the rigid walls that are neither named nor boulders: they no longer act, for the rest of
+  /// the run.
   void keep_walls(std::span<const std::string> names);
   /// No surface acts any more, for the rest of the run.
   void drop_all();
@@ -45,13 +45,13 @@ class Surfaces {
   void begin_step(const SoilSurface<dim>& soil);
   /// Whether the stiffness of this step is symmetric.
   bool symmetric() const { return symmetric_; }
-  /// Whether soil can touch an interface in this step: the coupling may then ask for several
-  /// solutions.
+  /// Whether soil can be in contact with an interface in this step: the coupling may then ask for
+  /// several solutions.
   bool may_touch_interface() const;
-  /// ContactAssembly::mark_touched of all interfaces.
+  /// Mark nodes by ContactAssembly::mark_touched of all interfaces.
   void mark_touched(std::span<char> nodes) const;
-  /// Pools that press on the front of all surfaces from now on, besides the soil: on the first
-  /// rank.
+  /// Let pools press on the front of all surfaces from now on, besides the soil; their force is on
+  /// the first rank.
   void set_pools(const PoolLevels& pools) { pools_ = pools; }
   /// Give the interfaces their displacements, 0 to those that received none.
   void receive(const InterfaceValues& displacements);
@@ -62,7 +62,7 @@ class Surfaces {
 
   // The following are collective.
 
-  /// @throws ConvergenceError  soil or a surface moved farther than begin_step looked ahead
+  /// @throws ConvergenceError  soil or a surface moved beyond the search margin of begin_step
   /// @param largest  of SurplusMotions on this rank [m]
   void refuse_misses(double largest) const;
   /// Whether a contact looks ahead, so that refuse_misses has something to refuse.
@@ -77,7 +77,7 @@ class Surfaces {
   std::vector<Vector<dim>> forces_between_groups() const;
   /// The smallest Contact::approach_step of all.
   double approach_step(double dt, double margin) const;
-  /// Sums over the contacts.
+  /// Energies, summed over the contacts.
   ContactEnergy energy() const;
   /// Sum of ContactAssembly::step_force_on over the contacts, for the points of this rank [N].
   Vector<dim> step_force_on(std::span<const std::int64_t> ids) const;

@@ -13,11 +13,12 @@ namespace {
 // two cells shares nodes.
 constexpr double thin_cells = 2;
 
-// Faces of a wall look away from each other to within 25 degrees, along the way through it.
+// Opposite faces of a wall face away from each other to within 25 degrees, along the line through
+// it.
 constexpr double opposite_cosine = 0.9;
 
-// Where the other face ends in an inner corner of the wall, the way to it may lean by 70 degrees,
-// and be longer by a half than the wall is thick.
+// Where the other face ends in an inner corner of the wall, the line to it may lean by 70 degrees,
+// and be half as long again as the wall is thick.
 constexpr double inner_corner_cosine = 0.34, inner_corner_reach = 1.5;
 // Faces that bend by less than 45 degrees, as those of rough ground, are no corner.
 constexpr double least_bend_cosine = 0.7;
@@ -40,7 +41,7 @@ struct NormalBox {
   }
 };
 
-// The faces that may have one that looks away from them: on a slope there is none.
+// The faces that may have an opposite face; on a slope there are none.
 template <int dim>
 std::vector<std::int32_t> possible_fronts(const Faces<dim>& faces) {
   std::vector<NormalBox<dim>> boxes(faces.num_simplices.size());

@@ -17,7 +17,7 @@ struct FacePair {
   double thickness;  ///< [m]
 };
 
-/// All simplices of several surfaces, but those of the mode `fixed`, which soil sticks to on all
+/// All simplices of several surfaces, but those of the mode `fixed`, to which soil sticks on all
 /// sides.
 template <int dim>
 struct Faces {
@@ -32,7 +32,7 @@ struct Faces {
   /// Whether both faces belong to surfaces of the method `facets`, which SideFields knows.
   /// @param surfaces  as the constructor got them
   bool can_have_fields(const FacePair& pair, const std::vector<StartSurface<dim>>& surfaces) const;
-  /// Put the vertices of a surface there. @returns whether they were elsewhere
+  /// Set the vertices of a surface. @returns whether they were elsewhere
   bool move(std::size_t surface_number, std::span<const Vector<dim>> x) {
     const auto own = vertices.begin() + first_vertex[surface_number];
     if (std::equal(x.begin(), x.end(), own)) return false;

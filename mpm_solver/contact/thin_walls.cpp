@@ -18,7 +18,7 @@ namespace {
 // Soil within this many cells of a face stands on its side.
 constexpr double beside_cells = 4;
 
-// A point is before a simplex up to 60 degrees off its normal.
+// A point is in front of a simplex up to 60 degrees off its normal.
 constexpr double before_cosine = 0.5;
 
 /// Marks the simplices that have soil before them.
@@ -148,7 +148,7 @@ std::vector<std::string> ThinWalls<dim>::after_step(MPI_Comm comm, const Surface
   return found(comm, marks_, fmt::format(" at {:.6g} s", time));
 }
 
-// Texts of walls with marks of any rank on both sides, which are not told again.
+// Texts of walls with marks of any rank on both sides; each is reported once.
 template <int dim>
 std::vector<std::string> ThinWalls<dim>::found(MPI_Comm comm, std::vector<double> marks,
                                                const std::string& when) {

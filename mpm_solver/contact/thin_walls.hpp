@@ -14,9 +14,9 @@
 namespace gabion::mpm {
 
 /// Finds structures thinner than two cells that have soil on both sides: that soil shares nodes of
-/// the grid, so it acts on itself through the structure. Each two surfaces, which may be the same,
-/// that are the faces of such a place are told once, unless SideFields cures them. Not for the mode
-/// `fixed`, which soil sticks to on all sides. Refers to the settings of the surfaces.
+/// the grid, so it acts on itself through the structure. Each pair of surfaces (or one surface)
+/// with such faces is reported once, unless SideFields cures it. Surfaces of the mode `fixed`, to
+/// which soil sticks on all sides, are left out. Refers to the settings of the surfaces.
 template <int dim>
 class ThinWalls {
  public:
@@ -24,17 +24,18 @@ class ThinWalls {
   /// @param cell_size  mean [m]
   ThinWalls(const std::vector<StartSurface<dim>>& surfaces, std::vector<FacePair> pairs,
             double cell_size);
-  /// The same for all thin_pairs().
+  /// For all thin_pairs().
   ThinWalls(const std::vector<StartSurface<dim>>& surfaces, double cell_size)
       : ThinWalls(surfaces, thin_pairs(Faces<dim>(surfaces), cell_size), cell_size) {}
 
-  // Both return what to say, and are collective.
+  // Both functions return warnings, and are collective.
 
-  /// Soil counts within four cells of a side.
+  /// Warnings at the start: soil counts within four cells of a side.
   /// @param surfaces  as the constructor got them
   std::vector<std::string> at_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
                                     const MaterialPoints<dim>& points);
-  /// Soil counts on a facet that it has touched since the start, or was beside then.
+  /// Warnings after a step: soil counts on a facet that it has been in contact with since the
+  /// start, or was beside then.
   /// @param surfaces  the same ones, in the state that was accepted at this time [s]
   std::vector<std::string> after_step(MPI_Comm comm, const Surfaces<dim>& surfaces, double time);
 

@@ -31,7 +31,7 @@ struct Gauge {
   /// and at the start of the foot line belong to it.
   bool holds(const Vector<dim>& x) const;
   /// 1 or -1 for a straight path from x0 to x1 that crosses the piece along or against the normal,
-  /// else 0. The plane belongs to its front: paths that follow each other count once.
+  /// else 0. A place on the plane counts as in front of it, so that successive paths count once.
   int crossing(const Vector<dim>& x0, const Vector<dim>& x1) const;
 };
 

@@ -17,8 +17,8 @@ struct AxisValues {
   double dN[3] = {};  ///< by t
 };
 
-/// What reaches beyond a node by less than this, by the spacing, does so by rounding: the next node
-/// is left out, whose value would be below 1e-24.
+/// A domain that reaches beyond a node by less than this, by the spacing, does so by rounding: the
+/// next node, whose value would be below 1e-24, is left out.
 inline constexpr double reach_by_rounding = 1e-12;
 
 /// Linear functions.

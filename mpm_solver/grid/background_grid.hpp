@@ -49,11 +49,11 @@ struct StoredCells {
   CellLocator<dim> locator;
 };
 
-/// The background grid: cells that stay where they are, and their basis. A box is never stored:
-/// what it is asked for follows by arithmetic.
+/// The background grid: cells that stay where they are, and their basis. A box is never stored: all
+/// values follow by arithmetic.
 template <int dim>
 struct BackgroundGrid {
-  /// No cells.
+  /// A grid without cells.
   BackgroundGrid() = default;
   explicit BackgroundGrid(const BoxGrid<dim>& box_, Basis basis_ = Basis::linear);
   /// A mesh that is a BoxGrid is taken as one; its facet groups are kept.
@@ -105,7 +105,7 @@ struct BackgroundGrid {
   std::int32_t first_of_patch(std::int32_t c) const {
     return patches.size() > 0 ? patches.first_of[c] : c;
   }
-  /// What decides about the rank that has the points of a cell: the centre of the cell, or of the
+  /// Place that decides which rank has the points of a cell: the centre of the cell, or of the
   /// first cell of its patch [m].
   Vector<dim> home(std::int32_t c) const;
 };

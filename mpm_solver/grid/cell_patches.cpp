@@ -106,7 +106,7 @@ class PatchBuilder {
     sizes_.push_back(static_cast<int>(cells_.size()));
   }
 
-  // Each cell of an incomplete patch goes to the smallest complete patch beside it, one after the
+  // Give each cell of an incomplete patch to the smallest complete patch beside it, one after the
   // other; where there is none the patch stays as it is.
   void place_rest() {
     for (bool moved = true; moved;) {

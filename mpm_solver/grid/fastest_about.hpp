@@ -9,7 +9,7 @@
 
 namespace gabion::mpm {
 
-/// Largest speed of a point and of its nodes, as the step begins [m/s].
+/// Largest speed of a point and of its nodes at the start of the step [m/s].
 template <int dim>
 double fastest_about(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
                      const GridNodes<dim>& nodes, const CellGroup& group, std::int32_t entry) {

@@ -23,10 +23,10 @@ struct NoiseDamping {
   ///     c^2 = |tau| / rho ,  I = h |grad v| / c
   ///
   /// Noise of the speed c has as much kinetic energy as the stress. The kinks of a flow over a
-  /// floor or at a band of shear look like noise, but stand in cells of large I and go on. Points
-  /// that fly without stress lose nothing.
+  /// floor or at a shear band look like noise, but lie in cells of large I and persist. Points that
+  /// fly without stress lose nothing.
   /// @param c2     c^2 [m^2/s^2]
-  /// @param grad2  |grad v|^2 of what the nodes see [1/s^2]
+  /// @param grad2  |grad v|^2 of the velocity mapped to the nodes [1/s^2]
   double share(double c2, double grad2) const;
 };
 

@@ -7,7 +7,7 @@
 
 namespace gabion::mpm {
 
-/// A material point at which soil ends in air.
+/// A material point at which the soil ends in air.
 template <int dim>
 struct OuterPoint {
   std::int32_t point = 0;

@@ -10,7 +10,7 @@
 
 namespace gabion::mpm {
 
-/// The inertia of the material points as the nodes feel it: an impulse I_i of a node goes to its
+/// The inertia of the material points as it acts at the nodes: an impulse I_i of a node goes to its
 /// points by their share of its mass, and their velocities are mapped back,
 ///
 ///     dv_p = sum_i rho_ip I_i / m_p ,  dv_i = sum_p rho_ip dv_p = sum_j W_ij I_j ,
@@ -31,7 +31,7 @@ class PointInertia {
   /// dv = W I; cells where I is zero are passed over.
   /// @param impulse, dv  num_nodes x dim [N s], [m/s]. @note Collective.
   void apply(std::span<const double> impulse, std::span<double> dv) const;
-  /// The same of the responses of some groups alone.
+  /// Responses of some groups alone.
   /// @param groups  ascending
   void apply_to(std::span<const std::int32_t> groups, std::span<const double> impulse,
                 std::span<double> dv) const;

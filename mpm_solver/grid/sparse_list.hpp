@@ -16,7 +16,8 @@ class SparseList {
   SparseList() = default;
   SparseList(std::size_t size, const Value& common) { assign(size, common); }
 
-  /// `size` values that are all `common`. @note In time with what was set, where size stays.
+  /// `size` values that are all `common`. @note Takes time in proportion to the values that were
+  /// set, where size stays.
   void assign(std::size_t size, const Value& common) {
     for (const std::size_t block : used_) starts_[block] = 0;
     used_.clear();

@@ -19,8 +19,8 @@ std::array<double, 3> gimp_part(const AxisValues& domain, double at, double rest
   return N;
 }
 
-// Splines at t + e. A node gets what the gradients at points 2 |e| apart add up to, from the knot
-// behind on where its spline begins.
+// Splines at t + e. A node gets the sum of the gradients at points 2 |e| apart, from the knot
+// behind or where its spline begins.
 std::array<double, 3> bspline_shifted(const AxisValues& values, double t, double e) {
   std::array<double, 3> N{};
   for (int m = 0; m < values.count; ++m) N[m] = values.N[m] + e * values.dN[m];

@@ -8,14 +8,14 @@ namespace gabion::mpm {
 
 /// The functions of one material point at its surface under gimp or bspline
 /// (docs/theory/interface.md (I9)): a traction there is in balance with the same stress in all
-/// points of a regular row, wherever the lines of the grid cut it. Functions that are only
+/// points of a regular row, wherever the lines of the grid cut it. Functions that are merely
 /// continued from the point give nodes that the soil hardly reaches half the force that its stress
-/// asks for.
+/// requires.
 ///
-/// gimp: linear functions averaged over the side of the domain, the place e = -l n, and around it
-/// what is left of the domain, half lengths l (1 - |n|) along the axes. bspline: the Taylor series
-/// to the surface, e = -R n, its second term as the rule of the points integrates: one point for
-/// each length 2 R |n| from the knot behind.
+/// gimp: linear functions averaged over the side of the domain: around the place e = -l n, over the
+/// part of the domain half lengths l (1 - |n|) along the axes. bspline: the Taylor series to the
+/// surface, e = -R n, its second term as the rule of the points integrates: one point for each
+/// length 2 R |n| from the knot behind.
 template <int dim>
 class SurfaceValues {
  public:

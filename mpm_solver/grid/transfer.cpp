@@ -61,7 +61,7 @@ void fill_weightless_nodes(const MaterialPoints<dim>& points, const PointWeights
   }
 }
 
-// What the motion of a point adds to the momenta of its nodes beyond m_p v_p and m_p a_p.
+// Contribution of the gradients of a point to the momenta of its nodes, beyond m_p v_p and m_p a_p.
 template <int dim>
 void add_gradient_momentum(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
                            std::int32_t entry, const std::int32_t* active, GridNodes<dim>& nodes) {

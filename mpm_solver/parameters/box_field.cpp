@@ -29,7 +29,8 @@ std::vector<double> read_axis(const std::string& path, const Hdf5Reader& file, c
   return axis;
 }
 
-// From axis d on. @param node  number of the lattice's node along the axes before
+// Interpolate along axis d and those after it. @param node  number of the lattice's node along the
+// axes before
 template <int dim>
 double value_from_axis(const BoxField<dim>& field, int d, std::size_t node,
                        const std::array<PlaceBetween, dim>& place, const Vector<dim>& x) {

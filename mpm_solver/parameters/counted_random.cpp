@@ -26,7 +26,7 @@ std::uint64_t hash(std::string_view text) {
   return value;
 }
 
-// In (0, 1], of 53 bits.
+// A number in (0, 1] with 53 bits.
 double unit(std::uint32_t high, std::uint32_t low) {
   const std::uint64_t bits = (std::uint64_t{high} << 32 | low) >> 11;
   return static_cast<double>(bits + 1) * 0x1p-53;

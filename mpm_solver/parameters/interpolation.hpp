@@ -10,7 +10,7 @@ namespace gabion::mpm {
 /// A place between two neighbours of a row.
 struct PlaceBetween {
   int first = -1;    ///< number of the lower neighbour, -1: outside the row
-  double share = 0;  ///< of the way to the next one
+  double share = 0;  ///< share of the distance to the next one
 };
 
 /// Share of a spacing by which rounding may carry a place out of a row.

@@ -16,7 +16,7 @@
 
 namespace gabion::mpm {
 
-/// What the sources of one body share.
+/// The place of a source: data that the sources of one body share.
 template <int dim>
 struct SourcePlace {
   const Scene& scene;

@@ -20,7 +20,7 @@ const std::vector<std::string> may_vary = {"young_modulus", "friction_angle",  "
 
 namespace {
 
-/// Why another number does not vary.
+/// Reason why a number may not vary.
 struct Fixed {
   const char* name;
   const char* reason;
@@ -251,7 +251,7 @@ struct VaryingReader {
     warn_of_implausible_settings(whole, Described::soil);
   }
 
-  // The law of the stiffest point is the body's.
+  // Give the body the law of its stiffest point.
   void choose_law(std::size_t number, Body<dim>& body) {
     result.body_ = number;
     double stiffest = 0;

@@ -84,8 +84,8 @@ std::shared_ptr<const VaryingMaterial<dim>> read_body_material(ConfigReader in,
                                                                const PointLayout<dim>& layout,
                                                                Body<dim>& body);
 
-/// The pressure of water that drains is smoothed by the stiffness of the body's skeleton, which may
-/// not vary then. @throws ConfigError  it does
+/// Refuse a Young's modulus that varies in a body whose water drains: the pressure is smoothed by
+/// the one stiffness of the body's skeleton. @throws ConfigError  it does
 template <int dim>
 void require_one_stiffness(const ConfigReader& in, const Body<dim>& body);
 

@@ -23,7 +23,7 @@ OutflowSide read_outflow(const ConfigReader& item, const std::string& group) {
   return {group, item.where("group")};
 }
 
-// Walls and sides without walls.
+// Read the walls, and the sides through which soil leaves.
 void read_walls(ConfigReader& in, int dim, Phase& phase) {
   phase.walls.clear();
   phase.outflows.clear();
@@ -145,7 +145,7 @@ void read_scheme(ConfigReader in, Phase& phase) {
   }
 }
 
-/// What a phase does not name.
+/// A key of a phase: where it is missing, the value is that of the phase before.
 Key or_as_before(Key key, const std::string& words) {
   key.absence = Absence::none;
   key.computed = words;
@@ -181,7 +181,7 @@ void read_ramp(ConfigReader& in, Phase& phase) {
   }
 }
 
-// Replace what the object of a phase names.
+// Replace the settings that the object of a phase names.
 void read_overrides(ConfigReader& in, int dim, Phase& phase) {
   phase.dynamic = in.choice_or("analysis", analysis_name(phase.dynamic)) == analysis_name(true);
   if (in.has("walls")) read_walls(in, dim, phase);

@@ -18,7 +18,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// The law has to give the stress back that the strains were made for, up to this share.
+// The law has to return the stress for which the strains were computed, to this share.
 constexpr double same_stress = 1e-9;
 
 template <int dim>
@@ -224,7 +224,7 @@ KeyTable initial_stress_keys() {
 
 namespace {
 
-// What only a body with pore water has.
+// Read the settings that only a body with pore water has.
 void read_water_table(ConfigReader& in, bool has_water, InitialStress& stress) {
   for (const char* key : {"water_table", "saturation_above"}) {
     if (!has_water && in.has(key)) {
@@ -266,8 +266,8 @@ InitialStress read_initial_stress(ConfigReader in, const Body<dim>& body) {
   return stress;
 }
 
-// A body whose own surface lies under water would need a pool that presses on it. The surface of a
-// layer under layers of other densities is not its own.
+// Refuse a body whose own surface lies under water without a pool that presses on it. The surface
+// of a layer under layers of other densities is not its own.
 template <int dim>
 void take_water_table(const ConfigReader& in, const Mesh<dim>& mesh, const InitialStress& stress,
                       const PoolLevels& pools, Body<dim>& body) {
@@ -298,7 +298,7 @@ void take_water_table(const ConfigReader& in, const Mesh<dim>& mesh, const Initi
   body.water->table = table;
 }
 
-// Whether the law has a stress in the state of a point.
+// Whether the law gives a stress in the state of a point.
 template <int dim>
 bool bears(const MaterialLaw<dim>& law, const Geostatic<dim>& soil, StressUpdate<dim>& now) {
   const Matrix<dim> still = Matrix<dim>::Zero();
@@ -308,7 +308,7 @@ bool bears(const MaterialLaw<dim>& law, const Geostatic<dim>& soil, StressUpdate
   return update<dim>(law, still, soil.state, now, nullptr);
 }
 
-// The same of a user material, whose memory then holds the stress.
+// Whether a user material gives a stress, which its memory then holds.
 template <int dim>
 bool bears(const Umat<dim>& law, const Geostatic<dim>& soil, StateVariables& variables,
            StressUpdate<dim>& now) {

@@ -17,10 +17,11 @@ namespace gabion::mpm {
 /// Geostatic stress of a body below a level surface: sigma_h = K0 sigma_v.
 struct InitialStress {
   double k0 = 0;                   ///< >= 0
-  double k0_consolidated = 0;      ///< when ocr was 1
+  double k0_consolidated = 0;      ///< K0 at ocr = 1
   double ocr = 1;                  ///< over-consolidation ratio, of vertical stresses
   double surface = 0;              ///< [m] height of the surface, without pressure on it
-  double max_displacement = 1e-3;  ///< by the cell size: what the check of balance may find
+  double max_displacement = 1e-3;  ///< by the cell size: largest displacement that the check of
+                                   ///< balance allows
   /// Height of the water table, of a body with pore water [m].
   std::optional<double> water_table = std::nullopt;
   double saturation_above = 0;       ///< share of the pores that is filled above the water table
@@ -41,7 +42,7 @@ template <int dim>
 InitialStress read_initial_stress(ConfigReader in, const Body<dim>& body);
 KeyTable initial_stress_keys();
 
-/// Let a body with pore water know its water table; nothing for others.
+/// Tell a body with pore water its water table; other bodies ignore it.
 /// @param in     of the initial stress
 /// @param pools  at the start
 /// @throws ConfigError  the table lies above the surface of the body, and there is no pool of that
@@ -79,9 +80,9 @@ struct BodyAtRest {
 /// is exact for water of constant density: sigma' grows by (rho - rho_w) g / J. Above the table
 /// points are dry but for their weight, rho_above = rho_dry + n0 saturation_above rho_w.
 ///
-/// Cam-Clay has a bulk modulus P / kappa, P = a + (1 + 2 K0) s / 3, and takes from here what its
-/// points remember: mu_0 of P, and P_c of the ellipse through the normally consolidated stress with
-/// s_nc = ocr s. Its volumes follow from J = (P_r / P)^kappa, so that
+/// Cam-Clay has a bulk modulus P / kappa, P = a + (1 + 2 K0) s / 3, and its points get their memory
+/// here: mu_0 of P, and P_c of the ellipse through the normally consolidated stress with s_nc = ocr
+/// s. Its volumes follow from J = (P_r / P)^kappa, so that
 ///
 ///     s (1 + kappa) - kappa a / b ln(1 + b s / a) = rho g d ,  b = (1 + 2 K0) / 3
 ///
@@ -92,8 +93,8 @@ template <int dim>
 void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAtRest<dim>& at_rest,
                         MaterialPoints<dim>& points);
 
-/// Cauchy stresses along the axes that the same law gives at a height, those of the pore water
-/// included; none above the surface [Pa].
+/// Cauchy stresses along the axes at a height by these formulas, those of the pore water included;
+/// none above the surface [Pa].
 template <int dim>
 Vector<dim> initial_stress_at(const InitialStress& stress, const BodyAtRest<dim>& at_rest,
                               double height);

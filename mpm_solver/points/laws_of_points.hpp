@@ -8,7 +8,8 @@
 
 namespace gabion::mpm {
 
-/// Law of each point whose constants vary in space, null: it has that of its body; empty: all have.
+/// Law of each point whose constants vary in space. Null: the point has the law of its body; empty:
+/// all points have.
 template <int dim>
 using LawsOfPoints = std::span<const MaterialLaw<dim>* const>;
 

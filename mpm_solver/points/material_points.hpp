@@ -43,7 +43,7 @@ template <int dim>
 double skeleton_modulus(const Body<dim>& body) {
   return std::visit([](const auto& law) { return law.p_wave_modulus(); }, body.material.law);
 }
-/// The same with it: that of undrained soil.
+/// Modulus of P waves of a body with its water: that of undrained soil [Pa].
 template <int dim>
 double undrained_modulus(const Body<dim>& body) {
   const double M = skeleton_modulus(body);
@@ -68,7 +68,8 @@ struct MaterialPoints {
   std::vector<double> energy;                 ///< elastic energy / V0 [J/m^3]
   std::vector<Symmetric<dim>> tau;            ///< Kirchhoff stress [Pa]
   std::vector<MaterialState<dim>> history;    ///< of the material law
-  std::vector<InternalState> internal;        ///< the same; empty unless a law remembers it
+  std::vector<InternalState> internal;        ///< internal variables of the material law; empty
+                                              ///< unless a law remembers them
   std::vector<StateVariables> variables;      ///< of laws from a library; empty without one
   std::vector<VaryingParameters> parameters;  ///< Body::varying; empty where no body has any
   std::vector<std::int32_t> cell;             ///< of the background grid that holds x
@@ -114,7 +115,7 @@ constexpr void for_each_field(const Visit& visit) {
   visit("half_length", &Points::half_length);
 }
 
-/// The same for the fields of `history`: visit(name, member).
+/// Like for_each_field, for the fields of `history`: visit(name, member).
 template <int dim, class Visit>
 constexpr void for_each_history_field(const Visit& visit) {
   visit("e", &MaterialState<dim>::e);
@@ -184,7 +185,7 @@ double depth_in_cell(CellType type, std::span<const Vector<dim>> corners, const 
 template <int dim>
 bool is_column(const Matrix<dim>& jacobian);
 
-/// Whether all cells of a mesh of quad4 or hex8 are.
+/// Whether all cells of a mesh of quad4 or hex8 are such columns.
 template <int dim>
 bool has_columns(const Mesh<dim>& mesh);
 

@@ -15,7 +15,8 @@ namespace gabion::mpm {
 
 namespace {
 
-// Grains of soil weigh about 2650 kg/m^3; outside this range the density was given otherwise.
+// Grains of soil weigh about 2650 kg/m^3; outside this range the density is probably not that of
+// saturated soil.
 constexpr double lightest_grains = 2200, heaviest_grains = 3300;
 // Density that follows from the grains and the one that is given may differ by this share.
 constexpr double same_density = 1e-3;
@@ -31,7 +32,7 @@ void warn_of_soft_water(const ConfigReader& in, const PoreWater& water, double s
       least_water_stiffness * skeleton_modulus * water.porosity);
 }
 
-// Grains that follow from the density of the saturated soil.
+// Check the density of the grains that follows from that of the saturated soil.
 void check_grains(ConfigReader& in, const PoreWater& water, double saturated_density) {
   const double n = water.porosity;
   const double grains = water.dry_density(saturated_density) / (1 - n);
@@ -160,7 +161,7 @@ KeyTable body_water_keys() {
 
 namespace {
 
-// Water that drains bears any suction unless it is told how much.
+// Read pore water; water that drains bears any suction unless a limit is given.
 PoreWater read_water(ConfigReader in, double saturated_density, double skeleton_modulus,
                      std::optional<double> permeability, PoreWater water = {}) {
   water.porosity = in.number("porosity");

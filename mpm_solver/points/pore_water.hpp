@@ -7,7 +7,7 @@
 
 namespace gabion::mpm {
 
-/// What the pore water of a point carries at a volume ratio.
+/// Pressure, stiffness and energy of the pore water of a point at a volume ratio.
 struct PorePressure {
   double p = 0;          ///< compression positive [Pa]
   double stiffness = 0;  ///< -dp / d ln J, K_w / n; 0 where the water cavitates [Pa]
@@ -46,7 +46,7 @@ struct PoreWater {
   bool drains() const { return permeability > 0; }
   /// k / (rho_w g) at n0 with the gravity of the earth, in which k is measured [m^2/(Pa s)].
   double mobility() const { return permeability / (density * standard_gravity); }
-  /// The same by that at n0, at a volume ratio, 1 unless `kozeny_carman`. @pre admits(J)
+  /// Mobility at a volume ratio over that at n0; 1 unless `kozeny_carman`. @pre admits(J)
   double mobility_ratio(double J) const;
   /// d ln mobility_ratio / d ln J.
   double mobility_slope(double J) const { return kozeny_carman ? 3 * J / pores(J) - 1 : 0; }
@@ -54,7 +54,7 @@ struct PoreWater {
   double modulus() const { return bulk_modulus / porosity; }
   /// Density without water of soil whose density is that of the saturated one [kg/m^3].
   double dry_density(double saturated) const { return saturated - porosity * density; }
-  /// The same with this share of the pores filled [kg/m^3].
+  /// Density of that soil with this share of its pores filled [kg/m^3].
   double density_above(double saturated, double share) const {
     return dry_density(saturated) + share * porosity * density;
   }
@@ -64,12 +64,13 @@ struct PoreWater {
   static constexpr double standard_gravity = 9.81;  ///< [m/s^2]
 };
 
-/// Modulus over that of the skeleton's P waves below which the compressibility of the water shows:
-/// of a confined load the water carries 1 / (1 + M / Q), here 95 %.
+/// Ratio of the water's modulus Q to that of the skeleton's P waves, M, below which the
+/// compressibility of the water shows: the water carries 1 / (1 + M / Q) of a confined load, here
+/// 95 %.
 inline constexpr double least_water_stiffness = 20;
 
 KeyTable pore_water_keys();
-/// The same of a body of mpm.json, whose water may drain.
+/// Keys of "water" of a body of mpm.json, which may drain.
 KeyTable body_water_keys();
 
 /// Read {"porosity", "bulk_modulus", "density", "cavitation_pressure", "grain_density"}.
@@ -78,7 +79,8 @@ KeyTable body_water_keys();
 /// @param skeleton_modulus   of P waves [Pa]
 /// @throws ConfigError
 PoreWater read_pore_water(ConfigReader in, double saturated_density, double skeleton_modulus);
-/// The same with "permeability". Water that drains bears any suction, or see gives_way().
+/// Read the water of a body of mpm.json, which has "permeability" too. Water that drains bears any
+/// suction, except see gives_way().
 PoreWater read_body_water(ConfigReader in, double saturated_density, double skeleton_modulus);
 
 }  // namespace gabion::mpm

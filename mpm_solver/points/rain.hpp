@@ -6,7 +6,8 @@
 
 namespace gabion::mpm {
 
-/// Most rain that is taken for one in m/s; the heaviest that was measured is 1e-3 m/s of a minute.
+/// Largest rate of rain that is accepted [m/s]; the heaviest rain measured over a minute is 1e-3
+/// m/s.
 inline constexpr double most_rain = 1e-2;
 
 KeyTable rain_keys();

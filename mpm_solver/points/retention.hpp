@@ -5,13 +5,13 @@
 
 namespace gabion::mpm {
 
-/// Water that drains and gives way under suction: of the pores the share
+/// Whether water drains and cavitates under suction: of the pores the share
 ///
 ///     S = (1 + (p / p_cav)^2)^(-1/2)  for p < 0, else 1
 ///
-/// stays full (van Genuchten 1980, n = 2, nothing held back), the rest gets air. S is smooth at
-/// p = 0 and falls forever: soil that opens under suction finds a pressure at any volume. Grains
-/// feel the share S of the pressure (Bishop 1959), whose suction stays below p_cav.
+/// stays full (van Genuchten 1980, n = 2, nothing held back), the rest gets air. S is smooth at p =
+/// 0 and falls forever: soil that opens under suction has a pressure at any volume. The share S of
+/// the pressure acts on the grains (Bishop 1959), whose suction stays below p_cav.
 bool gives_way(const PoreWater& water);
 
 /// Functions of the pressure p of such water, smooth for all p; S = 1 for other water.
@@ -20,7 +20,7 @@ struct Retention {
   double saturation_slope = 0;  ///< dS/dp [1/Pa]
   double filled = 1;            ///< content by pores, S exp(p / K_w)
   double filled_slope = 0;      ///< [1/Pa]
-  double borne = 0;             ///< pressure that the grains feel, S p [Pa]
+  double borne = 0;             ///< pressure that acts on the grains, S p [Pa]
   double borne_slope = 1;
   double mobility = 1;        ///< share that the mobility keeps, S^3, at least least_mobility
   double mobility_slope = 0;  ///< [1/Pa]

@@ -43,7 +43,7 @@ void put_points(std::span<const std::int32_t> which, const MaterialPoints<dim>& 
   });
 }
 
-// Append them.
+// Append the points of a packet.
 template <int dim>
 void take_points(Packet& packet, MaterialPoints<dim>& points) {
   const auto count = packet.take<std::int64_t>();

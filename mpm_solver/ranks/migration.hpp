@@ -8,8 +8,8 @@
 
 namespace gabion::mpm {
 
-/// Send each point of this rank whose cell belongs to another one there, with all its fields and
-/// what the surfaces remember of it. The points of a rank stay ordered by id.
+/// Send each point of this rank whose cell belongs to another rank to that rank, with all its
+/// fields and what the surfaces remember of it. The points of a rank stay ordered by id.
 /// @pre  the points are located
 /// @returns number of points that moved, of all ranks
 /// @note Collective.

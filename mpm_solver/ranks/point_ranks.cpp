@@ -11,8 +11,8 @@ namespace gabion::mpm {
 
 namespace {
 
-// Largest share of points that a rank may get before space is parted anew; where cells are too
-// coarse for that, so much more than a new partition left.
+// Largest share of points, over the mean, that a rank may have before space is divided anew; where
+// cells are too coarse for that, the share that the last partition left, times this.
 constexpr double large_share = 1.3;
 constexpr double growth = 1.1;
 

@@ -18,11 +18,11 @@ class PointRanks {
  public:
   PointRanks(MPI_Comm comm, const BackgroundGrid<dim>& grid) : comm_(comm), grid_(grid) {}
 
-  /// Part space anew by where the points are, and send them where they belong. Points may be on any
-  /// rank before.
+  /// Divide space anew by the places of the points, and send these to their ranks. Points may be on
+  /// any rank before.
   /// @pre  the points are located
   void divide(MaterialPoints<dim>& points, Surfaces<dim>& surfaces);
-  /// Points have moved: send them where they belong. Parts space anew when a rank has got too many.
+  /// After points have moved, send them to their ranks; divide space anew when a rank has too many.
   void follow(MaterialPoints<dim>& points, Surfaces<dim>& surfaces);
 
   const Partition<dim>& partition() const { return partition_; }

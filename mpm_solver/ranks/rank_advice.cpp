@@ -11,7 +11,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// A rank with fewer points was not measured to pay.
+// Least number of points of a rank that was measured to pay.
 constexpr std::int64_t points_of_a_rank = 10000;
 
 template <int dim>

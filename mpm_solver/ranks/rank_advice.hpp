@@ -13,8 +13,8 @@ struct RankAdvice {
   std::string reason;  ///< such as "64000 points in space, 2 cores"
 };
 
-/// By dimension, number of points, and what several ranks cannot do or were not measured with
-/// (docs/measured/ranks.md). Depends on nothing but its arguments.
+/// The advice, by dimension, number of points, and what several ranks cannot do or were not
+/// measured with (docs/measured/ranks.md). Depends on nothing but its arguments.
 /// @param cores  that the run may use
 template <int dim>
 RankAdvice advise_ranks(const MpmSettings<dim>& settings, int cores);

@@ -42,7 +42,7 @@ double bytes_of(const GridNodes<dim>& nodes) {
          bytes_of(nodes.a);
 }
 
-// Alone: with PETSc's list of columns.
+// Bytes of the pattern; one rank: with PETSc's list of columns.
 template <int dim>
 double bytes_of_stiffness(const BlockMatrix<dim>& K, bool alone) {
   return static_cast<double>(K.columns().size()) *

@@ -10,9 +10,9 @@
 
 namespace gabion::mpm {
 
-/// Memory of what grows with the soil, the most of it in a step: material points, their weights on
-/// the nodes, their trial state, nodes, the values of the stiffness (one rank: with PETSc's list of
-/// their columns), its pattern, the preconditioner.
+/// Memory of the data that grow with the soil, at its largest in a step: material points, their
+/// weights on the nodes, their trial state, nodes, the values of the stiffness (one rank: with
+/// PETSc's list of their columns), its pattern, the preconditioner.
 template <int dim>
 class Memory {
  public:

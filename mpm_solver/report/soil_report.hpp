@@ -11,8 +11,7 @@
 
 namespace gabion::mpm {
 
-/// What the soil tells: log, probes, frames, summary. Refers to the model. Functions are
-/// collective.
+/// The soil's output: log, probes, frames, summary. Refers to the model. Functions are collective.
 template <int dim>
 class SoilReport {
  public:

@@ -29,7 +29,7 @@ std::vector<double> water_probe_values(const SoilModel<dim>& model, const SoilSt
 /// without any.
 template <int dim>
 Json water_summary(const SoilModel<dim>& model);
-/// Log them.
+/// Log that summary.
 template <int dim>
 void log_water(const SoilModel<dim>& model);
 

@@ -111,7 +111,7 @@ void GhostStiffness<dim>::mark_doubled(const PointWeights<dim>& weights,
   });
 }
 
-// Sum up the soil of each cell where it belongs, and show it to the ranks of the cells beside it.
+// Sum up the soil of each cell on its rank, and send the sum to the ranks of the cells beside it.
 template <int dim>
 void GhostStiffness<dim>::share_cells(const CellOwners<dim>& owners) {
   const int own = rank_of(owners.comm);
@@ -180,7 +180,7 @@ std::vector<std::int32_t> GhostStiffness<dim>::find_facets(const CellOwners<dim>
       const std::int32_t other = neighbours[f];
       if (other < 0 || soil_[other].volume == 0) continue;
       if (soil_[other].doubled) continue;
-      if (other < c && is_small(other)) continue;  // came from the other side
+      if (other < c && is_small(other)) continue;  // visited from the other side
       facets_.push_back({c, static_cast<int>(f), other});
       for (const std::int32_t cell : {c, other}) {
         const CellList of_cell = grid_.cell(cell);

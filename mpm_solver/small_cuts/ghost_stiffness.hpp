@@ -26,9 +26,9 @@ inline constexpr double small_cut_fill = 0.6;
 /// dA; a stiffness has two derivatives more, hence the factor 1/h^2 beside it.
 ///
 /// It acts on the increment du of the step, so it is a viscosity of about factor E dt for gradients
-/// that jump: it does not resist deformation that took place, stores no energy and takes
-/// du . k du >= 0 of it in a step. Linear fields have no jump and k is symmetric and isotropic:
-/// linear momentum, and angular momentum about the positions at start and end, are kept.
+/// that jump: it does not resist deformation of earlier steps, stores no energy and dissipates du .
+/// k du >= 0 in a step. Linear fields have no jump and k is symmetric and isotropic: linear
+/// momentum, and angular momentum about the positions at start and end, are kept.
 ///
 /// @see Burman (2010); Sticko, Ludvigsson, Kreiss (2020); Coombs (2023) for material points
 template <int dim>
@@ -50,7 +50,7 @@ class GhostStiffness {
                                         const PointWeights<dim>& weights,
                                         std::span<const std::int32_t> doubled = {},
                                         LawsOfPoints<dim> laws = {});
-  /// Evaluate their stiffness. @param nodes  with those of find_facets()
+  /// Evaluate the stiffness of the facets. @param nodes  with those of find_facets()
   void begin_step(const GridNodes<dim>& nodes);
   /// Facets with ghost stiffness on all ranks; 0: no cell needs it in this step.
   std::int64_t num_facets() const { return num_facets_; }

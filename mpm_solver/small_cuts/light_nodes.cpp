@@ -32,7 +32,7 @@ std::vector<double> mass_within_reach(const MaterialPoints<dim>& points,
   return reach;
 }
 
-// Kind of a grid node on any rank.
+// Kind of a grid node, of all ranks together.
 enum Weight : std::int32_t { inactive = 0, heavy = 1, light = 2, weak = 3 };
 
 constexpr bool joins(std::int32_t kind) {
@@ -130,7 +130,7 @@ struct Partners {
 
   explicit Partners(std::int32_t num_nodes)
       : node(num_nodes, -1), distance(num_nodes, std::numeric_limits<double>::infinity()) {}
-  // The nearest one counts; of two that are as near, the one with the lower number.
+  // Keep the nearest partner of node i; of two equally near ones the one with the lower number.
   void offer(std::int32_t i, std::int32_t to, double d) {
     if (to < 0 || d > distance[i] || (d == distance[i] && to >= node[i])) return;
     distance[i] = d;
@@ -138,7 +138,7 @@ struct Partners {
   }
 };
 
-// Hear what the other ranks found for the nodes that they hold too.
+// Get the partners that other ranks found for the nodes that they hold too.
 template <int dim>
 void ask_holders(MPI_Comm comm, const GridNodes<dim>& nodes, const Kinds& kinds,
                  Partners& partners) {
@@ -162,8 +162,8 @@ void ask_holders(MPI_Comm comm, const GridNodes<dim>& nodes, const Kinds& kinds,
   }
 }
 
-// The same where nodes are doubled: of the nodes that act on the same group of points, of any rank,
-// which are on one side.
+// Partners where nodes are doubled: they are sought among the nodes that act on one group of
+// points, of any rank, which are on one side.
 template <int dim>
 std::vector<std::int32_t> nearest_heavy_of_groups(MPI_Comm comm, const LightNodeSearch<dim>& search,
                                                   const GridNodes<dim>& nodes, const Kinds& kinds) {

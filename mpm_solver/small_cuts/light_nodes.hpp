@@ -18,7 +18,7 @@ struct LightNodeSearch {
   const PointWeights<dim>& weights;
   const WallConditions<dim>& walls;
   double share = 0;  ///< of the mass within reach
-  double doubled_share = 0;  ///< the same of nodes with several numbers, where it is larger
+  double doubled_share = 0;  ///< share for nodes with several numbers, where it is larger
   /// The surfaces, where weak nodes (find_weak_nodes) join too; null: they do not.
   const FacetSights<dim>* sights = nullptr;
 };
@@ -27,11 +27,11 @@ struct LightNodeSearch {
 ///
 ///     m_i < share sum_p m_p   over the points with N_ip among their values,
 ///
-/// makes the stiffness nearly singular where there is no inertia: nothing but the gradient of a
-/// shape function then keeps it in its place. With inertia it does so where bodies slide on each
-/// other, since friction at its limit holds nothing. It is not solved for: it takes the number of the
-/// nearest heavier node of its grid cells and moves with it, so that mass, weight and every force
-/// on it act there. Weak nodes join the nearest one that is before the surface which they are
+/// makes the stiffness nearly singular where there is no inertia: only the gradient of a shape
+/// function then holds it. With inertia the stiffness is nearly singular where bodies slide on each
+/// other, since friction at its limit holds nothing. It is not solved for: it takes the number of
+/// the nearest heavier node of its grid cells and moves with it, so that mass, weight and every
+/// force on it act there. Weak nodes join the nearest node in front of the surface that they are
 /// behind. Nodes that a wall holds neither join nor are joined, but for doubled ones, which have no
 /// ghost stiffness: they join nodes that the same walls hold in the same directions. Without a
 /// partner a node stays.

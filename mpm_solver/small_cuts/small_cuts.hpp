@@ -33,8 +33,8 @@ struct SmallCutSettings {
   double mass_share = 1e-4;
 };
 
-/// Method of a phase. Unless one is named, ghost stiffness where no inertia holds the nodes of
-/// small cuts: quasi-static phases, but splines.
+/// Method of a phase. Unless one is named, it is ghost stiffness where no inertia holds the nodes
+/// of small cuts: in quasi-static phases, except with splines.
 inline SmallCutMethod method_in(const SmallCutSettings& settings, Basis basis, bool dynamic) {
   if (settings.method) return *settings.method;
   return dynamic || basis == Basis::bspline ? SmallCutMethod::none : SmallCutMethod::ghost;

@@ -25,7 +25,7 @@ class FacetSights {
  public:
   FacetSights(const std::vector<StartSurface<dim>>& surfaces, const BackgroundGrid<dim>& grid);
 
-  /// Look through a surface from now on. @param k  its number
+  /// Ignore a surface from now on. @param k  its number
   void leave_out(std::size_t k) { left_out_[k] = 1; }
 
   /// Take the accepted places of the surfaces. @returns whether any acts
@@ -47,8 +47,8 @@ class FacetSights {
 
 /// Triangles and tetrahedra that a surface cuts leave nodes behind it on which only the narrow ends
 /// of cells weigh. The force of contact on such a node, by the functions of a few points, need not
-/// be the one that the stress of these points requires; elastic soil passes the difference on, soil
-/// that yields gives way there. A node is weak where a facet lies between it and the mean place of
+/// be the one that the stress of these points requires; elastic soil transmits the difference, soil
+/// that yields does not bear it. A node is weak where a facet lies between it and the mean place of
 /// the points that weigh on it, and
 ///
 ///     m_i < 3/4 sum_p m_p / (dim + 1)   over the points with N_ip among their values.

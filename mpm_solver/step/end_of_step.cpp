@@ -12,7 +12,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Share of the mass that may be stray points: its error does not decide the step.
+// Share of the mass that may be stray points, whose error does not decide the step.
 constexpr double stray_share = 0.01;
 
 }  // namespace

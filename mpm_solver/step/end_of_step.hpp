@@ -17,12 +17,13 @@ NodalMotion<dim> nodal_motion(const Equilibrium<dim>& equilibrium, std::span<con
 /// Error of a step in time, as root mean squares over the mass.
 struct StepError {
   /// Newmark's local error, dt^2 |1/6 - beta| |a' - a| [m], without the hundredth of the mass where
-  /// it is largest: a few stray points do not rule it. What touches an interface counts always.
+  /// it is largest: a few stray points do not decide it. Points in contact with an interface always
+  /// count.
   double displacement = 0;
   double speed = 0;  ///< of v' [m/s]
 };
 /// @param motion   of nodal_motion()
-/// @param touched  1 for nodes of points that touch an interface, at the owners of the nodes
+/// @param touched  1 for nodes of points in contact with an interface, at the owners of the nodes
 /// @note Collective.
 /// @see Zienkiewicz and Xie (1991), who leave nothing out
 template <int dim>

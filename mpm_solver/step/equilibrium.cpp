@@ -23,7 +23,7 @@ namespace {
 // error of the scheme, large enough for double precision.
 constexpr double mass_floor = 1e-8;
 
-// Support over the mean stiffness of a node.
+// Ratio of the support's stiffness to the mean stiffness of a node.
 constexpr double support_share = 1e-4;
 
 // Share of the force that would stop a node within the step: the residual is compared with it too,
@@ -165,7 +165,7 @@ Evaluation Equilibrium<dim>::assess(Sums sums, const RefusedPoint& worst) {
   return result;
 }
 
-// Internal forces, and in r those of contacts and small cuts.
+// Evaluate the internal forces, and add those of contacts and small cuts to r.
 template <int dim>
 void Equilibrium<dim>::sum_forces(std::span<const double> du, std::span<double> r,
                                   BlockMatrix<dim>* K) {
@@ -240,7 +240,7 @@ void Equilibrium<dim>::add_inertia(std::span<const double> du, std::span<double>
   const double dt = parts_.dt;
   const NewmarkBossak scheme = parts_.scheme;
   const double slope = scheme.inertia_slope(dt), stop = share_of_stopping / dt;
-  // The inertia is linear in what moves.
+  // The inertia is linear in du, v and a.
   const double by_v = scheme.inertia(scheme.acceleration(0, 1, 0, dt), 0);
   const double by_a = scheme.inertia(scheme.acceleration(0, 0, 1, dt), 1);
   for (std::int32_t i = 0; i < parts_.nodes.size(); ++i) {

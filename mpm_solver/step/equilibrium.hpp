@@ -49,7 +49,7 @@ class Equilibrium final : public NewtonProblem<dim> {
     bool repeats = true;                  ///< several solutions, as in a coupled step
     bool nearly_linear = false;           ///< one Newton iteration likely suffices
     std::span<const double> f_body = {};  ///< besides gravity [N], num_nodes x dim; empty: none
-    std::span<const double> f_body_start = {};  ///< the same at the start of the step
+    std::span<const double> f_body_start = {};  ///< that force at the start of the step
     /// Forces of pore water that drains on the skeleton [N], num_nodes x dim; empty: none. It may
     /// change between evaluations.
     std::span<const double> f_pore = {};
@@ -69,7 +69,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   Evaluation linearise(std::span<const double> wall_step, std::span<double> r, BlockMatrix<dim>& K);
   /// The stiffness of points that yielded since the solution began (YieldingPoints).
   bool regularise(double share) override;
-  /// Adds stiffness in quasi-static analysis with contact, where bodies may have to move before a
+  /// Add stiffness in quasi-static analysis with contact, where bodies may have to move before a
   /// surface holds them.
   bool support(bool on) override;
   double increment_scale() const override { return parts_.cell_size; }
@@ -80,7 +80,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// Number, body and place of a material point, for messages.
   std::string describe_point(std::int32_t p) const;
 
-  /// A new solution with other interface values begins.
+  /// Begin a new solution, with other interface values.
   void begin_solution() {
     first_evaluation_ = true;
     internal_.begin_solution();

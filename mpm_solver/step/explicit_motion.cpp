@@ -83,8 +83,8 @@ void ExplicitMotion<dim>::find_lasting() {
   respond(lasting, A_lasting_);
 }
 
-// The contacts at u, the end of a substep as it would be with the force that lasts alone; sets F,
-// A(F), touches_.
+// Evaluate the contacts at u, the end of a substep with the lasting force alone; sets F, A(F),
+// touches_.
 // @returns false: too stiff for dt
 template <int dim>
 bool ExplicitMotion<dim>::add_contact(std::span<const double> u, double share, double dt,
@@ -130,7 +130,7 @@ void ExplicitMotion<dim>::begin_path(int count) {
   internal_.forget();
 }
 
-// The stresses of a substep are known. What it dissipates is summed in the order of the entries.
+// Continue after the stresses of a substep: its dissipation is summed in the order of the entries.
 template <int dim>
 void ExplicitMotion<dim>::advance_path(int k) {
   if (tau_.empty()) return;
@@ -170,7 +170,7 @@ void ExplicitMotion<dim>::find_reach() {
   }
 }
 
-// Stresses and internal forces of this rank's points at result_.du.
+// Evaluate stresses and internal forces of this rank's points at result_.du.
 template <int dim>
 bool ExplicitMotion<dim>::evaluate(int k, RefusedPoint& worst) {
   if (!within_) {

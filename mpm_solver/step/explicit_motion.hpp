@@ -24,11 +24,11 @@ namespace gabion::mpm {
 ///     v' = v + dt/2 [A(f) + A(f')] + dt A(F(u*)) ,  A(f) = Q W Q f
 ///
 /// from v = Q v_i + w / step: W of PointInertia, Q and w of the walls, F of the contacts, whose
-/// surfaces move evenly over the step. Pore water that drains moves the nodes besides
-/// (FractionalStep). One evaluation of the stresses a substep, which go on from
-/// those of the substep before. A solution with as many substeps as the one before it evaluates
-/// what the interfaces can reach alone (ExplicitReach), with the bits of a whole one. Refers to its
-/// parts; valid for one step.
+/// surfaces move evenly over the step. Pore water that drains moves the nodes, too
+/// (FractionalStep). The stresses are evaluated once a substep and continue from those of the
+/// substep before. A solution with as many substeps as the one before it evaluates only what the
+/// interfaces can reach (ExplicitReach), with the bits of a whole solution. Refers to its parts;
+/// valid for one step.
 template <int dim>
 class ExplicitMotion {
  public:
@@ -48,7 +48,7 @@ class ExplicitMotion {
   };
   explicit ExplicitMotion(const Parts& parts);
 
-  /// What the substeps did, summed over them; works of the nodes that this rank owns, fields
+  /// Results of the substeps, summed over them; works of the nodes that this rank owns, fields
   /// num_nodes x dim.
   struct Result {
     std::vector<double> du;          ///< in the step [m]
@@ -129,7 +129,7 @@ class ExplicitMotion {
   std::vector<double> A_lasting_;               // of their force that lasts; empty where none does
   std::vector<double> raw_;                     // impulse of all forces but those of walls
   std::optional<ExplicitReach<dim>> reach_;     // none: solutions do not repeat
-  bool within_ = false;                         // this solution evaluates what is in reach alone
+  bool within_ = false;                         // this solution evaluates only what is in reach
   std::vector<double> star_, move_, foreseen_;  // room for those of a substep
   Result result_;
 };

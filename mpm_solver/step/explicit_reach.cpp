@@ -33,7 +33,7 @@ void ExplicitReach<dim>::begin(int count) {
   is_complete_ = false;
 }
 
-// What one rank knows of a node, all of its holders know.
+// Give the marks of a node on one rank to all ranks that hold it.
 template <int dim>
 void ExplicitReach<dim>::share(std::vector<char>& marks) const {
   const SharedNodes& shared = parts_.nodes.shared;
@@ -143,7 +143,7 @@ void ExplicitReach<dim>::find_border() {
   }
 }
 
-// Whether later solutions are so much smaller, if D grows no more.
+// Whether later solutions are small enough to pay, if D does not grow further.
 template <int dim>
 bool ExplicitReach<dim>::pays() const {
   double sums[] = {0, static_cast<double>(parts_.points.size())};

@@ -11,9 +11,9 @@
 
 namespace gabion::mpm {
 
-/// What another place of the interfaces can change in the substeps of an explicit step, and what
-/// the first solution found elsewhere (docs/theory/soil.md, "Iterations of an explicit step"). Per
-/// substep, from the nodes of the points that touch an interface:
+/// The part of the soil that another place of the interfaces can change in the substeps of an
+/// explicit step, and the results of the first solution elsewhere (docs/theory/soil.md, "Iterations
+/// of an explicit step"). Per substep, from the nodes of the points in contact with an interface:
 ///
 ///     U = V_before + nodes of the points about F ,  F: forces of contacts that differ
 ///     D = groups with a node of U ,  I = nodes of D ,  V = U + nodes of the points about I
@@ -30,16 +30,16 @@ class ExplicitReach {
 
   // The first solution: begin; for each substep find, keep_states, keep; then complete.
 
-  /// A solution of this number of substeps begins, which is to be kept.
+  /// Begin a solution of this number of substeps, which is to be kept.
   void begin(int count);
-  /// Whether it is: not where its reach is most of the soil.
+  /// Whether the solution is kept: not where its reach is most of the soil.
   bool keeps() const { return keeps_; }
   /// Find the sets of the next substep.
   /// @param F        of all contacts, num_nodes x dim [N]
-  /// @param touched  1 for nodes of points that touch an interface, num_nodes
+  /// @param touched  1 for nodes of points in contact with an interface, num_nodes
   /// @note Collective.
   void find(std::span<const double> F, std::span<const char> touched);
-  /// Keep what the first points of D in this substep start from.
+  /// Keep the states from which the first points of D in this substep start.
   /// @param tau  stresses of the skeleton [Pa]; empty: no law depends on the path
   void keep_states(const MaterialPath<dim>& path, std::span<const Symmetric<dim>> tau);
   /// Ask for the forces of the groups about D: make room for StressParts::kept.
@@ -54,7 +54,7 @@ class ExplicitReach {
   void keep(Fields fields, std::vector<double> group_forces);
   void complete() { is_complete_ = keeps_; }
 
-  // The following ones, if there is something to start from.
+  // The following solutions, if there is something to start from.
 
   /// Whether a solution of this number of substeps is known.
   bool knows(int count) const { return is_complete_ && std::ssize(substeps_) == count; }
@@ -66,7 +66,7 @@ class ExplicitReach {
   ForcePart part(int k);
   /// Groups whose points reach V.
   std::vector<std::int32_t> responding_groups(int k) const;
-  /// Replace what does not differ by what is known: internal forces outside I, A outside V.
+  /// Fill in the known values where nothing differs: internal forces outside I, A outside V.
   void fill_internal(int k, std::span<double> internal) const;
   void fill_A(int k, std::span<double> A) const;
   const Fields& known(int k) const { return substeps_[k].fields; }

@@ -16,10 +16,11 @@ namespace gabion::mpm {
 
 namespace {
 
-// A step that needs more is a mistake in the settings or in the solution.
+// Largest number of substeps: a step that needs more is a mistake in the settings or in the
+// solution.
 constexpr double most_substeps = 1e5;
 
-// A quotient of times that differs from a whole number by this is one.
+// A quotient of times within this of a whole number counts as that number.
 constexpr double rounding = 1e-9;
 
 // Changes of the substep by less are not worth a line in the log.
@@ -51,7 +52,7 @@ ExplicitStep<dim>::ExplicitStep(const Parts& parts) : parts_(parts), stable_(par
   borders_.emplace(parts.model);
 }
 
-// What the pore water of the step depends on.
+// The data on which the pore water of the step depends.
 template <int dim>
 void ExplicitStep<dim>::find_water() {
   water_.reset();
@@ -103,7 +104,8 @@ void ExplicitStep<dim>::begin(const StepStart& start) {
                                           .body_force = body_force,
                                           .water = water_ ? &*water_ : nullptr});
   repeated_ = std::exchange(repeats_, false);
-  // Boulders move as well as interfaces do, and what an interface moves may push another body.
+  // No step with boulders or groups of bodies repeats a part alone: boulders move as interfaces do,
+  // and soil that an interface moves may push another body.
   may_repeat_ = !model.settings.whole_iterations && model.settings.boulders.empty() &&
                 !model.settings.body_groups.any() && !model.remembers_variables && !water_ &&
                 parts_.state.surfaces.may_touch_interface();
@@ -179,8 +181,9 @@ NodalMotion<dim> ExplicitStep<dim>::nodal_motion() const {
   return motion;
 }
 
-// The points get the energy v . M d + d . M S d / 2 + I . (v + S d + W I / 2), S = W M: of the
-// walls' stop d = Q v - v and of the impulse I, of which the forces gave I . (Q v + W I / 2).
+// The points get the energy v . M d + d . M S d / 2 + I . (v + S d + W I / 2), S = W M: from the
+// walls, which change v by d = Q v - v, and from the impulse I, of which the forces gave I . (Q v +
+// W I / 2).
 template <int dim>
 StepBalance<dim> ExplicitStep<dim>::balance() const {
   const auto& found = motion_->result();

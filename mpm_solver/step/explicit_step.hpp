@@ -70,7 +70,7 @@ class ExplicitStep final : public StepMethod<dim> {
   double courant_ = 1;
   double soil_dt_ = 0;
   int count_ = 0;            // of substeps, of the last solution
-  bool may_repeat_ = false;  // what a solution found may be of use to the next one
+  bool may_repeat_ = false;  // results of a solution may serve the next one
   bool repeats_ = false;     // it had a solution after the first one
   bool repeated_ = false;    // so had the step before it
 };

@@ -14,9 +14,10 @@ struct FirstGuess {
   std::int64_t linear_iterations = 0;
 };
 
-/// Free flight; quasi-static: rest, but for the motion of walls, which spreads over the soil by the
-/// stiffness at the start. Where elastic waves cross many cells in a step, flight and rest are
-/// tried and the smaller residual wins: there the guess matters more than its cost.
+/// The first guess: free flight; quasi-static: rest, but for the motion of walls, which spreads
+/// over the soil by the stiffness at the start. Where elastic waves cross many cells in a step,
+/// flight and rest are tried and the smaller residual decides: there the guess matters more than
+/// its cost.
 /// @param wave_speed  largest of the bodies [m/s]
 /// @note Collective.
 template <int dim>

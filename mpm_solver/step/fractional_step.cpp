@@ -12,10 +12,12 @@ namespace gabion::mpm {
 
 namespace {
 
-// Residual that a substep leaves of the one it begins with, and of the volume of the soil.
+// Residual that a substep may leave: as a share of the one it begins with, and of the volume of the
+// soil.
 constexpr double left_over = 1e-8, round_off = 1e-14;
 
-// The derivative is that of the start of the step, so an iteration gains little beyond this.
+// Tolerance of the linear solver: the derivative is that of the start of the step, so an iteration
+// gains little beyond it.
 constexpr double linear_tolerance = 1e-5;
 
 constexpr int most_iterations = 40;
@@ -64,7 +66,7 @@ void FractionalStep<dim>::make_pattern() {
   K_.set_pattern(parts_.stress.nodes.size(), offsets, cell_nodes);
 }
 
-// Forces and volumes at u_, q_.
+// Evaluate forces and volumes at u_, q_.
 template <int dim>
 void FractionalStep<dim>::evaluate(bool with_K) {
   RefusedPoint worst;
@@ -175,7 +177,7 @@ void FractionalStep<dim>::multiply(std::span<const double> q, std::span<double> 
   }
 }
 
-// Norm of what is missing at the nodes that are free [m^3]; r_ is its negative.
+// Norm of the volume missing at the free nodes [m^3]; r_ is its negative.
 template <int dim>
 double FractionalStep<dim>::residual() {
   r_.resize(q_.size());

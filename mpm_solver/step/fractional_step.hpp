@@ -15,7 +15,7 @@
 
 namespace gabion::mpm {
 
-/// What the water of an explicit step depends on.
+/// The data on which the water of an explicit step depends.
 template <int dim>
 struct WaterOfStep {
   SeepageStepData<dim> data;  ///< without dt and inertia_slope, which are of substeps
@@ -56,7 +56,7 @@ class FractionalStep {
   const std::vector<double>& change() const { return F_; }
   const std::vector<double>& acceleration() const { return A_; }
   const std::vector<double>& forces() const { return water_->forces(); }
-  /// The substep is done. @param move  of the nodes in it [m]
+  /// End the substep. @param move  of the nodes in it [m]
   void end_substep(std::span<const double> move);
 
   /// The last substep was that of the end of the step: give the trial state of the points its
@@ -84,11 +84,11 @@ class FractionalStep {
   std::optional<SeepageForces<dim>> water_;
   BlockMatrix<dim + 1> K_;
   std::vector<double> S_;        // of each block of K_
-  std::vector<Vector<dim>> B_;   // the same
+  std::vector<Vector<dim>> B_;   // of each block of K_
   std::vector<char> held_;       // of each node: 1 dry, 2 drained
   std::vector<double> q_;        // of each node [Pa]
   std::vector<double> f_start_;  // force of the pressure at the start of the substep
-  std::vector<double> f_old_;    // the same of q_ then
+  std::vector<double> f_old_;    // of q_ at the start of the substep
   std::vector<double> F_, A_, u_, r_;
   std::unique_ptr<PressureSolver> solver_;
   double work_ = 0;  // of the pressure so far [J]

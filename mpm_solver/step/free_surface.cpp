@@ -19,9 +19,9 @@ namespace {
 // points are half of it apart. The points of triangles, and those in cells that are taller than
 // wide, have a neighbour across their rows within it.
 constexpr double reach_of_points = 1.1;
-// Sides of a point within which others tell where the soil is.
+// Distance, in sides of a point, within which other points decide the normal.
 constexpr double reach_of_normals = 2;
-// Sides of the largest point within which any point matters to another.
+// Distance, in sides of the largest point, within which points matter to each other.
 constexpr double reach_of_sight = std::max(reach_of_normals, 2 * reach_of_points);
 // Points straight beside a normal of 45 degrees lie on the cone.
 constexpr double rounding = 1e-6;
@@ -99,7 +99,8 @@ class Search {
   double side(std::int32_t p) const { return sides_[p]; }
 
   // Act on the points of all bodies within `reach` of a place and, on the images of them in walls,
-  // as act(point, way to it). @param images  whether soil goes on behind walls as its mirror image
+  // as act(point, vector to it). @param images  whether soil goes on behind walls as its mirror
+  // image
   template <class Act>
   void for_points_near(const Vector<dim>& t, double reach, bool images, const Act& act) const {
     Index low, count;
@@ -149,7 +150,8 @@ class Search {
     return true;
   }
 
-  // Away from the points around it, by the spacing of the grid. A point amid others looks up.
+  // The direction away from the points around a point, by the spacing of the grid; upwards for a
+  // point in the midst of others.
   Vector<dim> normal(std::int32_t p) const {
     const double reach = reach_of_normals * side(p);
     Vector<dim> sum = Vector<dim>::Zero();
@@ -190,7 +192,7 @@ class Search {
     return meets;
   }
 
-  // Whether the way out of the grid leads through facets of a wall.
+  // Whether the line along n out of the grid leads through facets of a wall.
   bool meets_wall(std::int32_t p, const Vector<dim>& n) const {
     const Vector<dim> t = box_.lattice_position(parts_.points.x[p]) + side(p) * n;
     const Index cell = box_.cell_index(parts_.points.cell[p]);
@@ -205,7 +207,8 @@ class Search {
     OuterPoint<dim> point{.point = p, .n = lattice_normal.cwiseQuotient(box_.spacing)};
     point.n.normalize();
     const Vector<dim> sides = side(p) * box_.spacing;
-    // Points of Gauss's rule lie nearer to the side of their cell than half of what they fill.
+    // Points of Gauss's rule lie nearer to the side of their cell than half the length that they
+    // represent.
     point.R = std::min(0.5 * sides.cwiseProduct(point.n).norm(), parts_.points.depth[p]);
     int across = 0;
     lattice_normal.cwiseAbs().maxCoeff(&across);

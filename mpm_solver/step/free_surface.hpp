@@ -13,7 +13,7 @@
 
 namespace gabion::mpm {
 
-/// What soil may end at. Refers to all of it.
+/// The surroundings at which soil may end. Refers to all of them.
 template <int dim>
 struct SurroundingsOfSoil {
   MPI_Comm comm;
@@ -32,7 +32,7 @@ struct SurroundingsOfSoil {
 ///
 /// Only cells that are small cuts, or beside such a cell or a side of the grid that no wall holds,
 /// are looked at. n points away from the mean of the points around, and of their images in walls.
-/// Points of other ranks are looked at where they are near enough.
+/// Points of other ranks count where they are near enough.
 /// @pre  all points are in the grid
 /// @returns those of this rank
 /// @note Collective.

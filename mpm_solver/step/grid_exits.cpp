@@ -13,7 +13,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Distances that differ by less are equal, over half the shortest edge.
+// Distances are equal if they differ by less than this share of half the shortest edge.
 constexpr double same_place = 1e-6;
 
 template <int dim>

@@ -11,7 +11,7 @@
 
 namespace gabion::mpm {
 
-/// Looks out for material points that a step carries out of the background grid.
+/// Finds material points that a step carries out of the background grid.
 template <int dim>
 class GridExits {
  public:

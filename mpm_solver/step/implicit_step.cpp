@@ -20,9 +20,9 @@ namespace {
 // of a solution must not look like a change of the interface.
 constexpr double coupled_share = 0.01;
 
-// Strain that a known stress may be carried over, as a share of Newton's relative tolerance: what
-// it can leave out (second order; first order across the yield surface) stays below that tolerance,
-// and below its coupled share.
+// Difference of strain that the tangent of a known stress may bridge, as a share of Newton's
+// relative tolerance. The error (of second order; of first order across the yield surface) stays
+// below that tolerance, and below its coupled share.
 constexpr double same_strain_share = 0.01 * coupled_share;
 
 }  // namespace
@@ -141,7 +141,7 @@ StepReport ImplicitStep<dim>::solve(const StepRequest& request) {
   return report;
 }
 
-// 1 for nodes of points of any rank that touch an interface, at the owners of the nodes.
+// 1 for nodes of points of any rank in contact with an interface, at the owners of the nodes.
 template <int dim>
 std::vector<char> ImplicitStep<dim>::touched_nodes() const {
   std::vector<char> touched(equilibrium_->inertia_mass().size(), 0);

@@ -64,7 +64,8 @@ class ImplicitStep : public StepMethod<dim> {
   // the current step
   StepStart start_;
   std::vector<Body<dim>> weaker_;              // with reduced strength; empty: as in the settings
-  PointLaws<dim> weaker_laws_;                 // the same
+  PointLaws<dim> weaker_laws_;                 // laws of the points with reduced strength; empty:
+                                               // as in the settings
   int first_iterations_ = 0;                   // of Newton's method, of the first solution
   std::vector<double> f_body_, f_body_start_;  // at both ends; empty where nobody needs them
   std::optional<Equilibrium<dim>> equilibrium_;

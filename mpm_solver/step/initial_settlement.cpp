@@ -17,7 +17,8 @@ namespace gabion::mpm {
 
 namespace {
 
-// Steps look for contact within some three quarters of a cell of the grid.
+// Warn of rows of points deeper than steps search for contact, some three quarters of a cell of the
+// grid.
 void warn_of_deep_rows(double deepest, double cell_size) {
   constexpr double within = 0.75;
   if (deepest <= within * cell_size) return;
@@ -28,7 +29,7 @@ void warn_of_deep_rows(double deepest, double cell_size) {
       deepest, deepest / cell_size, within);
 }
 
-// Largest depth of rows that spheres free of stress do not reach as they are [m].
+// Largest depth of rows of points free of stress whose spheres do not reach the surface [m].
 template <int dim>
 double deepest_row_to_reach(const MpmSettings<dim>& settings) {
   double deepest = 0;
@@ -39,9 +40,10 @@ double deepest_row_to_reach(const MpmSettings<dim>& settings) {
   return deepest;
 }
 
-// Without stress only rectangles count. Rows of triangles are not symmetric, and where a surface
-// cuts the grid all spheres in contact bear less than some of them; sand in sheared cells that
-// touches walls and floor at once finds no first balance.
+// Soil as it lies on the surfaces. Without stress the spheres of rectangular cells alone are set
+// off to the surface: rows of triangles are not symmetric, and where a surface cuts the grid all
+// spheres in contact bear less than some of them would; sand in sheared cells that would be in
+// contact with walls and floor at once finds no first balance.
 template <int dim>
 SoilAtRest<dim> soil_at_rest(const MpmSettings<dim>& settings, const Vector<dim>& gravity,
                              const PoolLevels& pools, const std::vector<std::int64_t>& first_ids) {
@@ -76,7 +78,7 @@ void refuse_jump_on_water(const MpmSettings<dim>& settings, const Vector<dim>& g
 
 }  // namespace
 
-// Surfaces are where they are at time 0, without forces of stress as yet.
+// Begin contact with the surfaces at their places at time 0, without forces of stress as yet.
 template <int dim>
 void SoilStep<dim>::begin_at_rest(const Vector<dim>& gravity, double deepest_row) {
   if (phase().rigid_walls) state_.surfaces.keep_walls(*phase().rigid_walls);

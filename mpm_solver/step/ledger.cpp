@@ -41,8 +41,8 @@ struct StepForces {
   std::vector<double> now, before;  // of this step and of the one before
 };
 
-// What the contacts of this rank do. `forces` loses the forces of those that balance at the end of
-// the step, `constant` gets the others.
+// Add the forces of this rank's contacts. Those that balance at the end of the step are subtracted
+// from `forces`, the others go to `constant`.
 template <int dim>
 void add_contact_terms(const Equilibrium<dim>& equilibrium, Nodal du, StepBalance<dim>& step,
                        std::vector<double>& forces, StepForces& constant) {
@@ -75,8 +75,8 @@ void add_contact_terms(const Equilibrium<dim>& equilibrium, Nodal du, StepBalanc
   }
 }
 
-// What the nodes do that this rank owns. `forces` gets inertia - body force: what contacts, walls
-// and internal forces have to carry.
+// Add the terms of the nodes that this rank owns. `forces` gets inertia - body force, which
+// contacts, walls and internal forces have to carry.
 template <int dim>
 void add_nodal_terms(const Equilibrium<dim>& equilibrium, Nodal du, const NodalMotion<dim>& motion,
                      StepBalance<dim>& step, std::vector<double>& forces) {

@@ -15,7 +15,7 @@
 
 namespace gabion::mpm {
 
-/// What one solved step does to energy and momentum of the grid, summed over nodes and ranks.
+/// Changes of energy and momentum of the grid in one solved step, summed over nodes and ranks.
 /// Forces are those of the instant that the scheme balances.
 template <int dim>
 struct StepBalance {
@@ -34,7 +34,7 @@ struct StepBalance {
   Vector<dim> wall_kick = Vector<dim>::Zero();  ///< impulse that stops the mapped velocity [kg m/s]
   Vector<dim> wall_hold = Vector<dim>::Zero();  ///< force that stops the mapped acceleration [N]
   Vector<dim> wall_step_force = Vector<dim>::Zero();  ///< that stops step_force [N]
-  /// The same for the step_force of the step before, on the nodes of this one [N].
+  /// Force that stops the step_force of the step before, on the nodes of this one [N].
   Vector<dim> wall_step_force_start = Vector<dim>::Zero();
 };
 
@@ -66,7 +66,7 @@ class Ledger {
  public:
   explicit Ledger(MPI_Comm comm) : comm_(comm) {}
 
-  /// Begin at this state, with nothing spent.
+  /// Start the balance at this state, with all sums at 0.
   void start(const MaterialPoints<dim>& points);
 
   /// @param dissipated  plastic work of this rank's points in the step [J]
@@ -79,8 +79,8 @@ class Ledger {
     contact_ = energy;
   }
 
-  /// Points were taken out of the accepted state; they keep what they had, as if it were still
-  /// here.
+  /// Account for points that were taken out of the accepted state: what they took along stays in
+  /// the balance.
   /// @param points   without them
   /// @param inertia  sum of their m a without their contact forces that are constant in a step, of
   ///                 all ranks [N]
@@ -98,13 +98,13 @@ class Ledger {
   void visit_state(StateVisitor& visitor);
 
  private:
-  /// An external force as the scheme sees it: what it gave to M a, and its impulse so far.
+  /// An external force in the scheme: its part of M a, and its impulse so far.
   struct Force {
     Vector<dim> inertia = Vector<dim>::Zero();  // [N]
     Vector<dim> impulse = Vector<dim>::Zero();  // [kg m/s]
     void add_step(const Vector<dim>& mean, const NewmarkBossak& scheme, double dt);
   };
-  /// Kinetic, elastic and dissipated energy, that of removed points included, minus the work that
+  /// Kinetic, elastic and dissipated energy, that of removed points included, less the work that
   /// came in.
   double own_energy() const;
 

@@ -20,7 +20,7 @@ class LinearSystem {
   LinearSystem& operator=(LinearSystem&&) = delete;
   ~LinearSystem() = default;
 
-  /// A step begins. @param pause  of the solver after the step before
+  /// Begin a step. @param pause  of the solver after the step before
   void begin(const Equilibrium<dim>& equilibrium, const LinearRegime& regime,
              const KrylovPause& pause) {
     std::vector<std::int32_t> offsets, cell_nodes;

@@ -21,7 +21,7 @@ class PressureSolver {
   /// y = A x.
   using Product = std::function<void(std::span<const double> x, std::span<double> y)>;
 
-  /// @param near     its memory is used
+  /// @param near     a matrix near to A, whose memory is used
   PressureSolver(SparseRows near, Product product);
   ~PressureSolver();
   PressureSolver(const PressureSolver&) = delete;

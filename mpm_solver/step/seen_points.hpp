@@ -10,8 +10,7 @@
 
 namespace gabion::mpm {
 
-/// Points that a rank looks at: its own ones, with their numbers, then those of other ranks that
-/// are near.
+/// Points that a rank knows: its own, with their numbers, then those of other ranks that are near.
 template <int dim>
 struct SeenPoints {
   std::vector<Vector<dim>> x;      ///< [m]
@@ -27,8 +26,8 @@ struct SightOfPoints {
   double reach = 0;                   ///< by the side of the largest point of all ranks
 };
 
-/// Points of this rank, and of others those in the cells of its points and beside them, and within
-/// the reach. A rank sends what is near the box around the cells of another.
+/// Collect the points of this rank, and those of others that are in the cells of its points, beside
+/// them, or within the reach. A rank sends what is near the box around the cells of another.
 /// @pre  the points are in the grid
 /// @note Collective.
 template <int dim>

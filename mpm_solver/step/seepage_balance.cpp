@@ -66,7 +66,7 @@ Evaluation SeepageBalance<dim>::evaluate(std::span<const double> x, std::span<do
   }
   r_u_.resize(du.size());
   result = equilibrium_.evaluate(du, r_u_, K ? &K_uu_ : nullptr);
-  result.likely_last = false;  // the water is not linear where the soil was
+  result.likely_last = false;  // water is not linear, even where the soil was
   if (!result.admissible) return result;
   for (std::size_t k = 0; k < du.size(); ++k) r[k / dim * block_size + k % dim] = r_u_[k];
   outflow_ = 0;
@@ -89,8 +89,8 @@ Evaluation SeepageBalance<dim>::evaluate(std::span<const double> x, std::span<do
   return result;
 }
 
-// The part of the skeleton comes on top of that of the water, whose rows get M / h and pressures h
-// / M.
+// Add the part of the skeleton to that of the water, whose rows are scaled by M / h and whose
+// pressures by h / M.
 template <int dim>
 void SeepageBalance<dim>::add_equilibrium(BlockMatrix<block_size>& K) const {
   require(std::ranges::equal(K.columns(), K_uu_.columns()), "mpm_solver: two patterns of a step");

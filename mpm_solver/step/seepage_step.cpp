@@ -12,11 +12,12 @@ namespace gabion::mpm {
 
 namespace {
 
-// A step changes the volume of water by much less than the stresses could, and a residual that is
-// small beside them would let slow seepage stand still.
+// Tolerance of the residual: a step changes the volume of water by much less than the stresses
+// could, and a residual that is merely small beside these would let slow seepage stand still.
 constexpr double water_tolerance = 1e-9;
 
-// Solutions of a step with other places where rain runs off or water leaves: mostly one or two.
+// Most solutions of a step, with other places where rain runs off or water leaves; mostly one or
+// two suffice.
 constexpr int most_changes_of_outlets = 20;
 
 // The matrix is indefinite: no Krylov method with the preconditioners at hand solves it.
@@ -130,7 +131,8 @@ NewtonReport SeepageStep<dim>::iterate(bool first, const NewtonSettings& setting
     report = solve(tight);
   } catch (const ConvergenceError&) {
     if (!borders_.open()) throw;
-    // Newton's method may have crept over the kink of outlets that open.
+    // Newton's method may have failed at the kink of outlets that open; these are now kept during a
+    // solution.
     water_->hold_outlets();
     x_ = start;
     report = solve(tight);
@@ -139,7 +141,8 @@ NewtonReport SeepageStep<dim>::iterate(bool first, const NewtonSettings& setting
   return report;
 }
 
-// With one set of places after the other where rain runs off or water leaves, until it stays.
+// Solve with one set of places after the other where rain runs off or water leaves, until the set
+// stays.
 template <int dim>
 NewtonReport SeepageStep<dim>::solve(const NewtonSettings& settings) {
   NewtonMatrix<dim + 1> matrix{*K_, solver_};
@@ -165,7 +168,7 @@ StepEnd<dim> SeepageStep<dim>::end() {
   const SharedNodes& shared = balance_->shared();
   end.balance.body_work += shared.total(water_->weight_work());
   if (pools_.empty()) return end;
-  // Pools are no part of what the trapezoidal rule of the ledger is for.
+  // The trapezoidal rule of the ledger does not apply to pools.
   const double work = shared.total(water_->pool_work(this->du_));
   end.balance.boundary_work += work + shared.total(water_->inflow_work());
   end.balance.time_damping += 0.5 * work;

@@ -46,7 +46,7 @@ std::string side_text(const Phase& phase, const std::vector<std::string>& sides)
                                    "have to round it off");
 }
 
-// Groups of bodies have the numbers of doubled nodes.
+// Whether nodes may be doubled; groups of bodies already use the numbers of doubled nodes.
 template <int dim>
 bool may_double_nodes(const SoilModel<dim>& model) {
   return can_double_nodes(model.grid) && !model.settings.body_groups.any();
@@ -109,7 +109,7 @@ void SoilOnGrid<dim>::weigh() {
   doubled_ = split_groups(model_.comm, groups.of_body, model_.grid.num_nodes_total(), weights_);
 }
 
-// Part those that can have fields by side from the others.
+// Find the thin walls, and separate the pairs that can have fields by side from the others.
 template <int dim>
 void SoilOnGrid<dim>::find_thin_walls() {
   const auto surfaces = surfaces_at_start(model_.settings.interfaces, model_.settings.rigid_walls);

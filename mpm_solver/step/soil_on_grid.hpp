@@ -17,7 +17,7 @@
 
 namespace gabion::mpm {
 
-/// What was done about small cuts in all steps.
+/// Counts of the cures of small cuts over all steps.
 struct SmallCutCounts {
   std::int64_t joined_nodes = 0;
   std::int64_t ghost_steps = 0;  ///< in which a cell needed ghost stiffness
@@ -25,8 +25,8 @@ struct SmallCutCounts {
 };
 
 /// The soil on the nodes of its grid in the current step: weights of the points, active nodes with
-/// mass and motion, their walls, and what is done about small cuts. Refers to model, state and
-/// times. Functions are collective.
+/// mass and motion, their walls, and the cures of small cuts. Refers to model, state and times.
+/// Functions are collective.
 template <int dim>
 class SoilOnGrid {
  public:
@@ -55,9 +55,10 @@ class SoilOnGrid {
   /// Laws of the points whose constants vary.
   const PointLaws<dim>& laws() const { return laws_; }
   WallConditions<dim>& walls(std::size_t phase) { return walls_of_phases_[phase]; }
-  /// What the walls did to the velocities of the points, which have not got it yet.
+  /// Change of the points' velocities by the walls, not yet applied to the points.
   const InelasticProjection<dim>& stop() const { return stop_; }
-  /// Add the mean forces with which the points hit the walls. @param forces  of the phase's walls
+  /// Add the mean forces of the points on the walls from the projection. @param forces  of
+  /// the phase's walls
   void add_stopping_forces(std::size_t phase, double dt, std::span<Vector<dim>> forces) const;
   /// Faces of thin walls whose two sides share nodes: without fields by side (SideFields).
   const std::vector<FacePair>& shared_pairs() const { return shared_pairs_; }

@@ -44,7 +44,8 @@ MaterialPoints<dim> lay_all_points(const SoilModel<dim>& model) {
   if (model.stressed) laws.follow(points);
   const Phase& phase = settings.phases.front();
   const Vector<dim> gravity = phase.gravity_ramp.at(0) * settings.gravity;
-  // Free of stress, so gravity is the acceleration at the start; the walls take their part of it.
+  // The points are free of stress, so gravity is the acceleration at the start; the walls take
+  // their part of it.
   if (phase.dynamic) std::fill(points.a.begin(), points.a.end(), gravity);
   for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
     if (!settings.initial_stress[b]) continue;
@@ -61,7 +62,7 @@ MaterialPoints<dim> lay_all_points(const SoilModel<dim>& model) {
   return points;
 }
 
-// The material point nearest to each probe; of several as near the one with the least id.
+// The material point nearest to each probe; of several equally near the one with the least id.
 template <int dim>
 std::vector<std::int64_t> find_probe_points(const SoilModel<dim>& model,
                                             const MaterialPoints<dim>& points) {
@@ -163,7 +164,7 @@ void visit_points(StateVisitor& visitor, MaterialPoints<dim>& points) {
   });
 }
 
-// What a step may take for granted.
+// Check the properties of the state on which a step relies.
 template <int dim>
 void check_points(const MaterialPoints<dim>& points, std::int32_t num_cells) {
   const std::size_t count = points.id.size();
@@ -229,7 +230,7 @@ void SoilState<dim>::count_exits(std::span<const std::int32_t> outside, const St
   }
 }
 
-// Probes whose point is among these end.
+// End the probes whose point is among these.
 template <int dim>
 void SoilState<dim>::end_probes(std::span<const std::int32_t> outside, double time,
                                 const SoilModel<dim>& model) {

@@ -29,7 +29,7 @@ struct SoilState {
   /// @throws Error  not a state of these settings and this number of ranks; on all ranks
   /// @note Collective.
   void load(const State& state, const SoilModel<dim>& model);
-  /// The same from the states of another number of ranks, see Solver::join_states.
+  /// Load the state from the states of another number of ranks, see Solver::join_states.
   void join(const State& first, std::span<const State> own, const SoilModel<dim>& model);
 
   /// A step that was just taken: where the points were at its start, and when it ends.
@@ -65,7 +65,8 @@ struct SoilState {
   bool has_water = false;              ///< a body has pore water, on whichever rank
   double water_out = 0;  ///< volume, free of pressure, of the pore water that left [m^3]
   bool has_rain = false;
-  /// Volumes of the rain that the soil took, which water_out does not hold, and did not take [m^3].
+  /// Volumes of the rain that the soil took, which water_out does not include, and that it did not
+  /// take [m^3].
   double rain_in = 0, rain_run_off = 0;
   bool nearly_linear = false;  ///< the last step's first solution took one Newton iteration at most
   double contact_rate = 0;     ///< of the last explicit step, see StableStep [1/s^2]

@@ -23,7 +23,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Share of a cell: how near soil sees boulders to where they are.
+// Share of a cell by which the soil may see boulders away from their places.
 constexpr double boulder_tolerance = 1e-5;
 
 // Side of a cube with the mean volume of the points of all ranks [m].
@@ -200,7 +200,7 @@ StepReport SoilStep<dim>::solve_soil(const StepRequest& request) {
   return report;
 }
 
-// Soil and boulders in turn, until the boulders are where the soil saw them.
+// Solve for soil and boulders in turn, until the boulders are where the soil saw them.
 template <int dim>
 StepReport SoilStep<dim>::solve_with_boulders(const StepRequest& request,
                                               const InterfaceValues& received) {
@@ -221,7 +221,7 @@ StepReport SoilStep<dim>::solve_with_boulders(const StepRequest& request,
   return report;
 }
 
-// No contact was missed that the solution leads to.
+// Check that the search missed no contact of the solution.
 template <int dim>
 void SoilStep<dim>::check_surfaces() {
   if (!state_.surfaces.look_ahead()) return;
@@ -272,7 +272,7 @@ AcceptReport SoilStep<dim>::accept(const StepRequest& request, bool solved) {
   return report;
 }
 
-// G2P: position, velocity and acceleration of the points, and their domains.
+// Move the points (G2P): position, velocity and acceleration, and their domains.
 template <int dim>
 void SoilStep<dim>::move_points(const StepEnd<dim>& end) {
   MaterialPoints<dim>& points = state_.points;

@@ -30,8 +30,8 @@ class SoilStep {
   /// @throws ConfigError  it is larger than InitialStress::max_displacement, or there is none
   void check_initial_stress();
 
-  /// A step from the accepted state begins: everything of it that does not depend on the interface
-  /// values. A step that began before is given up.
+  /// Begin a step from the accepted state: do all that does not depend on the interface values. A
+  /// step begun before is given up.
   /// @throws ConvergenceError
   void begin(const StepRequest& request);
   /// Solve to request.time + request.dt; the state's surfaces then hold the forces.
@@ -47,11 +47,11 @@ class SoilStep {
   /// @pre `solved`: the last solution was one of this request
   AcceptReport accept(const StepRequest& request, bool solved);
 
-  /// begin() or solve() has thrown.
+  /// Note that begin() or solve() has thrown.
   void note_failure(const ConvergenceError& error, double dt) { sizes_.add_failure(error, dt); }
-  /// The step failed or is given up.
+  /// Reject the step, which failed or is given up.
   void reject();
-  /// The accepted state has changed: the step under way, if there is one, is given up.
+  /// Give up the current step, if there is one: the accepted state has changed.
   void forget() { under_way_ = false; }
   /// Release the memory that only a step needs. Called between steps, when another part of the
   /// program needs much for a moment.
@@ -62,7 +62,7 @@ class SoilStep {
   const NewtonCounts& newton_counts() const { return sizes_.newton_counts(); }
   const ImplicitStep<dim>& implicit_steps() const { return *implicit_; }
   const ExplicitStep<dim>& explicit_steps() const { return explicit_; }
-  /// gimp: points whose domain was capped, of this rank, added up over the accepted steps.
+  /// Points whose domain was capped (gimp), of this rank, added up over the accepted steps.
   std::int64_t capped_domains() const { return capped_domains_; }
   /// Displacement that would balance the initial stress [m].
   double initial_displacement() const { return initial_displacement_; }

@@ -15,8 +15,8 @@ PoolLevels SoilStep<dim>::pools_at(double time) const {
                           phase().gravity_ramp.at(time) * model_.settings.gravity);
 }
 
-// All water that drains has one density. Under pools pressures are those beyond the pools', which
-// do not change along the normal of a surface.
+// Specific weight of water that drains, one for all bodies. Under pools pressures are those beyond
+// the pools', which do not change along the normal of a surface.
 template <int dim>
 Vector<dim> SoilStep<dim>::water_weight() const {
   const auto& bodies = model_.settings.bodies;
@@ -27,8 +27,8 @@ Vector<dim> SoilStep<dim>::water_weight() const {
   return share * body->water->density * model_.settings.gravity;
 }
 
-// Points whose water does not drain have none to carry on to a surface: minus infinity, so that no
-// weight of water raises it above 0 there.
+// Pressures at the points. Points whose water does not drain have none at a surface: minus
+// infinity, so that no weight of water raises it above 0 there.
 template <int dim>
 void SoilStep<dim>::find_pore_pressures() {
   const MaterialPoints<dim>& points = state_.points;

@@ -46,7 +46,7 @@ double StableStep<dim>::of_soil(const MaterialPoints<dim>& points) const {
   return -max_over_ranks(model_.comm, -dt);
 }
 
-// A law whose stiffness depends on the state gives that of the stiffest point.
+// Wave speed of a body; for a law whose stiffness depends on the state that of the stiffest point.
 template <int dim>
 double StableStep<dim>::wave_speed(const MaterialPoints<dim>& points, std::int32_t b) const {
   const Body<dim>& body = model_.settings.bodies[b];
@@ -67,7 +67,7 @@ double StableStep<dim>::wave_speed(const MaterialPoints<dim>& points, std::int32
       body.material.law);
 }
 
-// What viscosity leaves of the step of a cell; the product grows with the size.
+// Share of the step of a cell that viscosity leaves; its product with the size grows with the size.
 template <int dim>
 double StableStep<dim>::share_by_viscosity(std::int32_t b, double size) const {
   const Material<dim>& material = model_.settings.bodies[b].material;

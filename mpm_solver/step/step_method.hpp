@@ -16,8 +16,8 @@
 
 namespace gabion::mpm {
 
-/// Newmark's method with these parameters asks for no acceleration at the start of a step:
-/// du = dt v + dt^2 a' / 2, v' = v + dt a'; the impulse of a force is dt F.
+/// Newmark's method with these parameters needs no acceleration at the start of a step: du = dt v +
+/// dt^2 a' / 2, v' = v + dt a'; the impulse of a force is dt F.
 inline constexpr NewmarkBossak starting_scheme = {.beta = 0.5, .gamma = 1};
 
 /// A step that begins.
@@ -26,13 +26,14 @@ struct StepStart {
   double dt = 0;               ///< [s]
   std::size_t phase = 0;       ///< number in MpmSettings::phases
   bool with_inertia = true;    ///< false: quasi-static
-  bool forces_jump = false;    ///< its forces are not those before it: no acceleration is known
+  bool forces_jump = false;    ///< its forces differ from those before it, so no acceleration is
+                               ///< known
   bool takes_weight = false;   ///< SoilSurface::takes_weight
   NewmarkBossak scheme = {};   ///< StepMethod::scheme
   double strength_factor = 1;  ///< by which strengths are divided
 };
 
-/// What the end of a step needs of its last solution.
+/// Results of the last solution that the end of a step needs.
 template <int dim>
 struct StepEnd {
   NodalMotion<dim> motion;
@@ -42,12 +43,12 @@ struct StepEnd {
 };
 
 /// Method of the steps of a phase: the solution for the present place of the surfaces and, once it
-/// is accepted, its results. The soil is on the nodes of its grid, and the surfaces have begun the
-/// step. Functions are collective.
+/// is accepted, its results. The soil is on the nodes of its grid, and the surfaces have started
+/// the step. Functions are collective.
 template <int dim>
 class StepMethod {
  public:
-  /// What a method works on, and refers to.
+  /// The parts that a method works on, and refers to.
   struct Parts {
     const SoilModel<dim>& model;
     SoilState<dim>& state;
@@ -69,7 +70,7 @@ class StepMethod {
   /// @param forces_jump  StepStart::forces_jump
   virtual NewmarkBossak scheme(const Phase& phase, bool forces_jump) const = 0;
 
-  /// A step begins: do what does not depend on the place of the surfaces.
+  /// Begin a step: do all that does not depend on the place of the surfaces.
   /// @throws ConvergenceError
   virtual void begin(const StepStart& start) = 0;
   /// Solve for the present place of the surfaces. Iteration 0 of a step starts from the accepted
@@ -82,12 +83,12 @@ class StepMethod {
   /// Force of the soil on each wall of the phase in the last solution [N].
   virtual std::vector<Vector<dim>> wall_forces() const = 0;
 
-  /// The last solution is accepted: bring the trial state of the points to exactly its end.
+  /// Accept the last solution: bring the trial state of the points to exactly its end.
   /// @pre  the points have not moved, and wall_forces() is not asked for any more
   virtual StepEnd<dim> end() = 0;
-  /// Give the points what grid_to_points leaves out.
+  /// Update the points by what grid_to_points leaves out.
   virtual void finish_points(MaterialPoints<dim>&) const {}
-  /// Put what later steps have to know of this one into the state.
+  /// Put the data of this step that later steps need into the state.
   virtual void remember(SoilState<dim>& state) const = 0;
 
   /// Give up the memory that only a step needs, until the next one begins.

@@ -11,7 +11,8 @@ namespace gabion::mpm {
 
 namespace {
 
-// Growth of the displacement by F, over the mean of the search, from which on the soil slides.
+// Growth of the displacement with F, over its mean in the search, from which on the soil counts as
+// sliding.
 constexpr double least_knee = 2;
 
 // growth() above which the factor still depends on the largest displacement.

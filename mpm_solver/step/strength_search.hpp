@@ -10,46 +10,47 @@
 
 namespace gabion::mpm {
 
-/// Why a factor was not reached.
+/// Reason why a factor was not reached.
 enum class SlopeEnd { none = 0, no_equilibrium = 1, displacement = 2 };
 
 /// Search for the largest factor with an equilibrium; part of the accepted state.
 ///
-/// Each step takes F + increment, or less where the soil moves by much on the way, since what it
-/// moves by depends on the way. A step without equilibrium, or with one beyond the largest
-/// displacement, is tried again with half the increment; one whose increment is no larger than the
-/// tolerance ends the search. From then on the strength is that of `from` again.
+/// Each step takes F + increment, or less where the soil moves far, since its displacement depends
+/// on the increments. A step without equilibrium, or with one beyond the largest displacement, is
+/// tried again with half the increment; one whose increment is no larger than the tolerance ends
+/// the search. From then on the strength is that of `from` again.
 class StrengthSearch {
  public:
-  /// The search of a phase begins.
+  /// Start the search of a phase.
   void start(const StrengthReduction& settings, int phase);
   int phase() const { return static_cast<int>(phase_); }
   bool started() const { return phase_ >= 0; }
-  /// Halves the increment where the step of next() moves the soil too far to know its way.
+  /// Halve the increment where the step of next() moves the soil too far to resolve its path.
   /// @param displacement  largest of a material point in the step [m]
   /// @returns whether it did; false with increments of at most the tolerance
   bool shorten(const StrengthReduction& settings, double displacement);
   /// Factor of the next step.
   double next(const StrengthReduction& settings) const;
-  /// The bracket is as narrow as asked for, or `to` has an equilibrium.
+  /// Whether the search has ended: the bracket is as narrow as asked for, or `to` has an
+  /// equilibrium.
   bool ended(const StrengthReduction& settings) const {
     return bracketed() || highest_ >= settings.to;
   }
-  /// The bracket is as narrow as asked for.
+  /// Whether the bracket is as narrow as asked for.
   bool bracketed() const { return end() != SlopeEnd::none; }
-  /// It is, and the soil slid more and more before: what is bracketed is the factor of safety, not
-  /// where Newton's method gave up.
+  /// Whether in addition the soil slid more and more before: then the bracket holds the factor of
+  /// safety, not merely the place where Newton's method gave up.
   bool found() const;
 
-  /// The step of next() has an equilibrium.
+  /// Note that the step of next() has an equilibrium.
   /// @param displacement  largest of a material point in the step [m]
   /// @returns false: it counts as failed, see fail()
   bool take(const StrengthReduction& settings, double displacement);
-  /// Whether a failed step tells anything: not before `from` has an equilibrium, nor after the end.
+  /// Whether a failed step counts: not before `from` has an equilibrium, nor after the end.
   bool can_fail(const StrengthReduction& settings) const {
     return highest_ > 0 && !ended(settings);
   }
-  /// The step of next() has none.
+  /// Note that the step of next() has none.
   /// @param text  what was wrong with it
   /// @throws Error  not can_fail()
   void fail(const StrengthReduction& settings, SlopeEnd reason, const std::string& text);
@@ -65,7 +66,7 @@ class StrengthSearch {
   /// moved too far, included: small where the slope slides at a constant F. 0 with another end.
   double growth() const;
 
-  /// For summary.json, with the displacement at each F.
+  /// Entry of summary.json, with the displacement at each F.
   Json summary() const;
   /// One line about the result.
   void log_result() const;

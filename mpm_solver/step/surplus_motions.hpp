@@ -16,7 +16,7 @@ namespace gabion::mpm {
 template <int dim>
 class SurplusMotions {
  public:
-  /// A step begins.
+  /// Forget the solution before: a step begins.
   void forget() { du_.clear(); }
   /// Less than 0: no point has one [m].
   double largest(const PointsInStep<dim>& step) {

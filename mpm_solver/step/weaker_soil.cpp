@@ -11,8 +11,8 @@
 
 namespace gabion::mpm {
 
-// With the largest factor of strength that this step finds an equilibrium for. The end of a search
-// is known of the accepted state, whatever becomes of this step.
+// Solve with the largest strength factor for which this step finds an equilibrium. The end of a
+// search is part of the accepted state, whatever becomes of this step.
 template <int dim>
 StepReport SoilStep<dim>::solve_weaker(const StepRequest& request,
                                        const InterfaceValues& received) {

@@ -23,7 +23,7 @@ class NewtonCounts {
   std::int64_t solutions() const;
   std::int64_t iterations() const;
   double mean() const;  ///< iterations a solution, NaN without one
-  /// The same as one line for the log.
+  /// The counts as one line for the log.
   std::string text() const;
 
  private:

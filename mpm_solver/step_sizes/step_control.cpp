@@ -10,7 +10,7 @@ namespace {
 constexpr int easy_iterations = 4;
 constexpr double growth = 1.25;
 
-// What a limit that was `last` allows after a step of dt that it did not hold back [s].
+// Step size that a limit, last at `last`, allows after a step of dt that it did not restrict [s].
 double grown(double last, double dt) {
   return std::min(growth * std::max(last, dt), 2 * dt);
 }

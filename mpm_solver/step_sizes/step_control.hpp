@@ -23,7 +23,7 @@ KeyTable step_control_keys();
 /// @param any_implicit  false: limits that measure implicit steps do not act and are refused
 StepControlSettings read_step_control(ConfigReader in, bool any_implicit);
 
-/// What keeps the next step from being twice as long: the codes of column `dt_limit`
+/// Reason that keeps the next step from being twice as long: the codes of column `dt_limit`
 /// (docs/results.md).
 enum class DtLimit {
   none = 0,
@@ -69,7 +69,7 @@ class StepControl {
   const StepControlSettings& settings() const { return settings_; }
   /// @param phase_dt  largest step that the phase allows [s], 0: any
   DtProposal accept(const StepMeasures& step, double phase_dt);
-  /// Newton's method failed with a step of this dt [s].
+  /// Note that Newton's method failed with a step of this dt [s].
   void fail(double dt);
   void visit_state(StateVisitor& visitor);
 

@@ -7,7 +7,7 @@
 
 namespace gabion::mpm {
 
-/// Follows how hard the steps were to solve, and what dt they leave for the next one. Refers to a
+/// Keeps track of the effort of the steps, and proposes dt of the next one. Refers to a
 /// StepControl.
 class StepSizes {
  public:
@@ -18,7 +18,7 @@ class StepSizes {
   const DtProposal& proposal() const { return proposal_; }
   const NewtonCounts& newton_counts() const { return newton_counts_; }
 
-  /// A step begins: log that dt shrinks where the reason is not that of the last time.
+  /// Begin a step: log that dt shrinks, unless the reason is that of the last time.
   void begin(const StepRequest& request);
   void add_solution(int newton_iterations);
   void add_failure(const ConvergenceError& error, double dt);

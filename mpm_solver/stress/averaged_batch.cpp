@@ -50,7 +50,7 @@ void AveragedBatch<dim>::stretch_in_plane(Lanes* x) const {
   for (int k = 0; k < n; ++k) x[k] += stretch_ * in_plane[k];
 }
 
-// The same of both spatial indices of the tangent.
+// x <- (1 + (s - 1) M) x, of both spatial indices of the tangent.
 template <int dim>
 void AveragedBatch<dim>::stretch_in_plane(PointBatch<dim>& batch) const {
   Lanes column[n];

@@ -63,7 +63,7 @@ class AveragedBatch {
   double pressure(int lane) const { return p_[lane]; }
   double coupling(int lane) const { return q_[lane]; }
 
-  /// Third pass: what the points add to the forces; or to forces, products and stiffness.
+  /// Third pass: terms of the points in the forces, or in forces, products and stiffness.
   /// @param share          v_p
   /// @param mean_pressure  v_p sum p
   /// @param A              of the batch after set_stress; becomes that of the forces

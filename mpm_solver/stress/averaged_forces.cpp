@@ -30,7 +30,7 @@ void AveragedForces<dim>::start(const GroupRange& range) {
   std::fill(next, group_of_.end(), range.last - 1 - range.first);
 }
 
-// Volumes of the points whose gradients are set.
+// Volumes of the points, from the gradients that are set.
 template <int dim>
 void AveragedForces<dim>::set_volumes() {
   stresses_.fill_up();
@@ -99,7 +99,7 @@ void AveragedForces<dim>::sum_pressures(bool with_K) {
   }
 }
 
-// Order what the points add to the forces; or to all.
+// Order the terms of the points in the forces, or in all.
 template <int dim>
 void AveragedForces<dim>::order_forces() {
   force_terms_.resize(averages_.size() * batch_size);

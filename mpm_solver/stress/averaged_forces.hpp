@@ -27,7 +27,7 @@ class AveragedForces {
   /// @returns false when a point of this rank has no stress, or would be squeezed below min_J_ratio
   ///          of its volume
   bool evaluate(const Target& target);
-  /// The same of the groups of a range.
+  /// Evaluate the groups of a range.
   bool evaluate(const GroupRange& range, const Target& target);
   /// Forces of the accepted stresses, those of du = 0: `num_values` = num_nodes x dim [N].
   std::vector<double> start_forces(std::size_t num_values) const {

@@ -33,9 +33,9 @@ OpenNodes open_nodes(const BackgroundGrid<dim>& grid, const std::vector<WallSett
 ///
 /// whatever places they have come to: volumes get a common factor, gradients a common change, so
 /// linear fields are still met. A cell is inside when all cells around its nodes hold soil, sides
-/// of the grid there have walls at rest, and its points are those of one body. For linear
-/// functions, whose gradients jump from cell to cell: without, the error of a point that crosses
-/// does not fall with the cell size. Refers to the grid.
+/// of the grid there have walls at rest, and its points are those of one body. It is meant for
+/// linear functions, whose gradients jump from cell to cell: without it the error of a point that
+/// crosses does not fall with the cell size. Refers to the grid.
 /// @see Beuth, Wieckowski, Vermeer (2011), who have the volumes; Chen, Hillman, Rueter (2013) for
 ///      gradients
 template <int dim>

@@ -65,7 +65,7 @@ class CellStiffness {
         return add_any_rows(n, local, grad);
     }
   }
-  /// All points are there.
+  /// End the cell: all its points were added.
   void finish() {}
 
  private:

@@ -59,19 +59,19 @@ class InternalForces {
   /// [N].
   std::vector<double> start_forces() const;
 
-  /// A new solution with other interface values begins: its first evaluation may take the matrix
-  /// from the neighbouring state where the last solution left it.
+  /// Begin a new solution with other interface values: its first evaluation may take the matrix
+  /// from the neighbouring state where the last solution ended.
   void begin_solution() {
     first_evaluation_ = true;
     yielding_.forget();
   }
-  /// Whether a point of this rank yielded in any state since then.
+  /// Whether a point of this rank yielded in any state since the solution began.
   bool yielded() const { return yielding_.any(); }
   /// See YieldingPoints.
   void add_regularisation(double share, BlockMatrix<dim>& K) const {
     yielding_.add_stiffness(share, parts_, K);
   }
-  /// Forget what earlier solutions of this step knew, so that repeated requests give the same bits.
+  /// Forget earlier solutions of this step, so that repeated requests give the same bits.
   void forget();
   /// Bring the trial state of the points to exactly this du.
   void finish(std::span<const double> du);

@@ -9,8 +9,8 @@ namespace gabion::mpm {
 
 namespace {
 
-// Why a body of this law would lock; empty when it does not. Plastic flow binds the volume of a
-// point to its shear, at constant volume or not: cells have too few ways to follow.
+// Reason why a body of this law would lock; empty: it does not. Plastic flow binds the volume of a
+// point to its shear, at constant volume or not: cells have too few degrees of freedom to follow.
 template <class Law>
 std::string cause_of_locking(const Law& law) {
   if constexpr (!Law::is_elastic) return "yields";

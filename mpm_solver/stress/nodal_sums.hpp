@@ -48,7 +48,7 @@ class NodalSums {
       for (int a = 0; a < dim; ++a) at_node[a] += x_[i * width + a];
     }
   }
-  /// One field, n x dim.
+  /// Copy one field, n x dim.
   void take(int n, int field, double* to) const {
     for (int i = 0; i < n; ++i) {
       for (int a = 0; a < dim; ++a) to[i * dim + a] = x_[i * width + field * dim + a];

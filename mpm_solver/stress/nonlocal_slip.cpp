@@ -40,7 +40,7 @@ class BodyAverage {
     return points_.V0[p] * points_.J[p];
   }
 
-  /// Masses, diagonal and right side. @param l  length [m]
+  /// Set masses, diagonal and right-hand side. @param l  length [m]
   void assemble(double l) {
     l_squared_ = l * l;
     M_.assign(nodes_.size(), 0.0);

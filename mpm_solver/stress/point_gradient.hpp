@@ -35,7 +35,7 @@ inline void set_gradient(const PointWeights<2>& weights, std::int32_t entry, con
   batch.H[3][lane] = H[3];
 }
 
-/// The same in space. @param du  with one number more than those of the nodes
+/// H of one entry in space, see above. @param du  with one number more than those of the nodes
 template <int num_nodes>
 inline void set_gradient(const PointWeights<3>& weights, std::int32_t entry, const double* du,
                          PointBatch<3>& batch, int lane) {

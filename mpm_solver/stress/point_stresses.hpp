@@ -89,7 +89,7 @@ class PointStresses {
       }
     }
   }
-  /// All are set.
+  /// Fill up the last batch, once all gradients are set.
   void fill_up() {
     const int used = count_ % Batch::size;
     if (used == 0) return;
@@ -168,7 +168,7 @@ class PointStresses {
   static const MaterialState<dim>& state_of(const StressParts<dim>& parts, std::int32_t p) {
     return parts.has_path() ? parts.path->history[p] : parts.points.history[p];
   }
-  /// What the law may know of an entry's point.
+  /// Context of the law at an entry's point.
   template <class Law>
   PointContext context_of(const StressParts<dim>& parts, std::int32_t e) const {
     if constexpr (!ContextualLaw<Law, dim>) return {};
@@ -202,7 +202,7 @@ class PointStresses {
         parts.path->internal[p] = parts.trial.internal[entry(b, l)];
     }
   }
-  // What the pore water bears, in all batches.
+  // Add the stress of the pore water, in all batches.
   bool add_water(const StressParts<dim>& parts, const PoreWater& water, bool with_A,
                  RefusedPoint& worst) {
     TrialPoints<dim>& trial = parts.trial;
@@ -296,7 +296,7 @@ class PointStresses {
     return first;
   }
 
-  // The same where each point has its own law.
+  // Update the points of a batch where each has its own law.
   template <class Law>
   int update_each(const StressParts<dim>& parts, const Law& own, std::size_t b, bool with_A) {
     Batch& batch = batches_[b];
@@ -321,7 +321,7 @@ class PointStresses {
     return points_of(b);
   }
 
-  // Lane by lane, but for those that a law with internal variables finds elastic at once:
+  // Update lane by lane, except those that a law with internal variables finds elastic at once:
   // update_elastic(contexts, batch, with_A) returns which they are.
   template <class Law>
   int update_lanes(const StressParts<dim>& parts, const Law& law, std::size_t b, bool with_A) {

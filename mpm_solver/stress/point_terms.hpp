@@ -8,7 +8,7 @@
 
 namespace gabion::mpm {
 
-/// What one point brings to its cell, in the order in which it is summed up there.
+/// Terms of one point in its cell, in the order in which they are summed up there.
 /// @tparam dim, num_fields  of space; of the vectors that nodes get
 template <int dim, int num_fields>
 struct PointTerms {

@@ -212,7 +212,7 @@ bool SeepageForces<dim>::sum_up(const CellGroup& group, Group& work, RefusedPoin
   return fill_pores(group, work, worst);
 }
 
-// Pores of the points, and what flows through them.
+// Find the pores of the points, and the flow through them.
 template <int dim>
 bool SeepageForces<dim>::fill_pores(const CellGroup& group, Group& work,
                                     RefusedPoint& worst) const {

@@ -11,7 +11,7 @@
 
 namespace gabion::mpm {
 
-/// What the water of a step depends on besides the points.
+/// Data on which the water of a step depends, besides the points.
 template <int dim>
 struct SeepageStepData {
   Vector<dim> gravity = Vector<dim>::Zero();  ///< at the end of the step [m/s^2]
@@ -31,10 +31,10 @@ struct SeepageStepData {
 ///     p(x) = sum_k N_k q_k + rho_w g . x ,
 ///
 /// and a step balances the volume of water (W13) while the pressure adds to the forces (W12) of
-/// docs/theory/water.md. Pools press on the whole border of the soil (W17), which is the same as to
-/// take their pressure, continued into the soil, from its own, and to push it along its gradient.
-/// Each rank has the points of its groups; volumes and what is found of them are of all ranks.
-/// Refers to its parts; valid for one step.
+/// docs/theory/water.md. Pools press on the whole border of the soil (W17): that is equivalent to
+/// subtracting their pressure, continued into the soil, from the soil's own, and to a body force
+/// along its gradient. Each rank has the points of its groups; volumes and what is found of them
+/// are of all ranks. Refers to its parts; valid for one step.
 template <int dim>
 class SeepageForces {
  public:
@@ -43,9 +43,9 @@ class SeepageForces {
   /// @note Collective.
   SeepageForces(const StressParts<dim>& parts, const SeepageStepData<dim>& step);
 
-  /// Let water leave at these points where it is under pressure, and none in but rain, as far as
-  /// the pressure there does not become positive; below the level of a pool both, by the difference
-  /// of the pressures. Replaces earlier ones.
+  /// Let water leave at these points where it is under pressure; only rain comes in, as far as the
+  /// pressure there does not become positive. Below the level of a pool water flows in both
+  /// directions, by the difference of the pressures. Replaces earlier outlets.
   void open(const BackgroundGrid<dim>& grid, std::span<const OuterPoint<dim>> surface);
 
   /// Unknowns of a trial state.
@@ -62,8 +62,8 @@ class SeepageForces {
   bool evaluate(const Trial& trial, BlockMatrix<block_size>* K, RefusedPoint& worst);
   /// Forces of the accepted pressures, those of du = 0. Replaces forces().
   void find_start_forces();
-  /// The next evaluations go on from the last one, over another dt: what seeped and left so far
-  /// remains. @pre one rank, neither pools nor rain
+  /// Let the next evaluations continue from the last one, over another dt: what seeped and left so
+  /// far remains. @pre one rank, neither pools nor rain
   void carry_on();
   /// Whether other outlets let water pass in the last evaluation than in the last one with K.
   bool outlets_changed() const;
@@ -74,19 +74,19 @@ class SeepageForces {
   const std::vector<double>& volumes() const { return r_; }
   /// Work of the pools' pressure on the skeleton as it moves, of this rank [J].
   double pool_work(std::span<const double> du) const;
-  /// Their force on the skeleton, of this rank [N].
+  /// Force of the pools on the skeleton, of this rank [N].
   Vector<dim> pool_force() const;
   /// Work of pools on the water that comes in, less that of what leaves into them, in the last
   /// evaluation, of this rank [J].
   double inflow_work() const { return inflow_work_; }
   /// Volume of water that leaves at the points of open(), in the last evaluation [m^3].
   double outflow() const { return outflow_; }
-  /// Keep from now on, during a solution, where water leaves: over that kink Newton's method may
-  /// creep.
+  /// From now on keep the places where water leaves during a solution, since Newton's method may
+  /// fail to converge over that kink.
   void hold_outlets() { hold_ = true; }
   /// Find anew where the soil takes all of the rain, from the last evaluation, and with
-  /// hold_outlets() where water leaves; until then that is where it was, at first under the
-  /// accepted pressures.
+  /// hold_outlets() where water leaves; until then the places stay as they were, at first those
+  /// under the accepted pressures.
   /// @returns whether that is elsewhere now, on any rank
   /// @note Collective.
   bool update_outlets();
@@ -96,7 +96,7 @@ class SeepageForces {
   /// Work of gravity on the water that seeps through the skeleton, in the last evaluation, of the
   /// points of this rank [J].
   double weight_work() const { return weight_work_; }
-  /// Norm of what the balance of water consists of [m^3]. @note Collective.
+  /// Norm of the terms of the balance of water [m^3]. @note Collective.
   double volume_scale() const;
 
   /// q of the nodes that fits the accepted pressures best, as a guess [Pa]; 0 at dry nodes.
@@ -114,7 +114,7 @@ class SeepageForces {
   /// @returns what the water gives up as it seeps and leaves: the work against its pressure that
   ///          does not become energy of the water in the points, of this rank [J]
   double finish(std::span<const double> du);
-  /// The same.
+  /// Like finish(du), after the last substep.
   /// @returns energy that the water of the points got, of this rank [J]
   double finish();
   /// Put pressures and masses of the last evaluation into the points.
@@ -134,7 +134,7 @@ class SeepageForces {
     double at_pressure = 0;  // volume that the pressure of the last evaluation lets out [m^3]
     bool full = false;       // the soil does not take all of the rain; without rain: water leaves
     bool follows = false;    // water passed in the last evaluation
-    bool in_K = false;       // the same of the last one with K
+    bool in_K = false;       // water passed in the last one with K
   };
   void list_wet();
   void list_pool_pressures();
@@ -172,11 +172,11 @@ class SeepageForces {
   std::vector<double> f_, r_, squeezed_, seeped_;
   std::vector<double> left_;  // volumes through outlets of the last evaluation, num_nodes [m^3]
 
-  // After carry_on(): volumes at the nodes and sums so far. Else empty and 0.
+  // Volumes at the nodes and sums so far, after carry_on(); else empty and 0.
   std::vector<double> gone_;
   double weight_work_gone_ = 0, outflow_gone_ = 0;
 
-  // With pools; else empty.
+  // Pressures of pools; without pools empty.
   std::vector<double> p_pool_;             // pressure of pools at each entry [Pa]
   std::vector<Vector<dim>> p_pool_slope_;  // its gradient [Pa/m]
   std::vector<double> f_pool_;             // the pools' part of f_

@@ -15,7 +15,8 @@ struct SeepageForces<dim>::Work {
   std::int32_t entry = 0;
   double V = 0, V0 = 0, j = 1, m = 0;  // at the start, free of stress; volume ratio; pores over V0
   double p = 0, p_n = 0;
-  double borne = 0, borne_n = 0, borne_slope = 1;  // pressure that the grains feel of p, p_n; by p
+  double borne = 0, borne_n = 0, borne_slope = 1;  // pressure that acts on the grains at p, at p_n;
+                                                   // derivative by p
   double grown = 1, change = 0;              // water that pores hold by that at the start; - 1
   double held_slope = 0;                     // of the volume of its water by p [m^3/Pa]
   double density = 1;                        // of the water under p_n, by that free of pressure

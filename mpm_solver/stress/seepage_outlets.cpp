@@ -17,8 +17,8 @@ constexpr double surface_mobility = 50;
 }  // namespace
 
 // Area of the surface of a point. Of each column or row of the points' domains, whichever is
-// steeper to the surface, one point is at the surface, so what is seen along an axis adds up to the
-// whole. Points without domains are cubes.
+// steeper to the surface, one point is at the surface, so the areas seen along an axis add up to
+// the whole. Points without domains are cubes.
 template <int dim>
 double SeepageForces<dim>::surface_area(const OuterPoint<dim>& at) const {
   if (parts_.points.half_length.empty()) return at.area;
@@ -67,8 +67,8 @@ void SeepageForces<dim>::open(const BackgroundGrid<dim>& grid,
   }
 }
 
-// Whether what passes an outlet follows the pressure. Air does not press water into the soil, and
-// soil takes rain only until it is full, with the pressure of air there.
+// Whether the flow through an outlet follows the pressure. Air does not press water into the soil,
+// and soil takes rain only until it is full, with the pressure of air there.
 // @param volume  that by the difference of the pressures; of what leaves [m^3]
 template <int dim>
 bool SeepageForces<dim>::follows_pressure(const Outlet& outlet, double& volume) {
@@ -99,7 +99,7 @@ bool SeepageForces<dim>::update_outlets() {
   return parts_.nodes.shared.largest(changed ? 1 : 0) > 0;
 }
 
-// Outlets of a group: volumes, and what they add to K_pp (`with_stiffness`).
+// Add the outlets of a group: volumes, and their terms in K_pp (`with_stiffness`).
 template <int dim>
 void SeepageForces<dim>::add_outflow(const CellGroup& group, Group& work, bool with_stiffness) {
   const auto& weights = parts_.weights;

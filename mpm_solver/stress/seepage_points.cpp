@@ -7,7 +7,8 @@
 
 namespace gabion::mpm {
 
-// What the water of a point does at its pressure. Mobility and held_slope are left to fill_pores().
+// Find the state of a point's water at its pressure. Mobility and held_slope are left to
+// fill_pores().
 template <int dim>
 void SeepageForces<dim>::bear(const PoreWater& water, Work& point) {
   const double K_w = water.bulk_modulus;

@@ -7,7 +7,8 @@
 
 namespace gabion::mpm {
 
-// What one point adds. The pressure of a group, and its volume, are left to add_group_stiffness.
+// Add the terms of one point. Those by the pressure and the volume of a group are left to
+// add_group_stiffness.
 template <int dim>
 void SeepageForces<dim>::add_point_stiffness(const CellGroup& group, const Work& point,
                                              Group& work) const {
@@ -47,7 +48,7 @@ void SeepageForces<dim>::add_point_stiffness(const CellGroup& group, const Work&
   if (water.kozeny_carman) add_mobility_stiffness(group, point, work);
 }
 
-// The change of the mobility with the volume, that of the group under F-bar.
+// Add the change of the mobility with the volume (under F-bar that of the group).
 template <int dim>
 void SeepageForces<dim>::add_mobility_stiffness(const CellGroup& group, const Work& point,
                                                 Group& work) const {
@@ -66,8 +67,8 @@ void SeepageForces<dim>::add_mobility_stiffness(const CellGroup& group, const Wo
   }
 }
 
-// What the points of a group have in common: K_up, K_pu under F-bar and the mean pressure of the
-// stabilisation.
+// Add the common terms of the points of a group: K_up, K_pu under F-bar and the mean pressure of
+// the stabilisation.
 template <int dim>
 void SeepageForces<dim>::add_group_stiffness(const CellGroup& group, Group& work) const {
   const int n = group.num_nodes, rows = n * block_size;

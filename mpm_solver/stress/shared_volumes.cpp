@@ -72,7 +72,7 @@ class GroupVolumes {
     const double smaller = strain_from_hencky(-theta / 2);  // exp(-theta) - 1
     add(body, p, V, smaller);
   }
-  /// The same with any volume V, which is (1 + smaller) V in the state that the group shares.
+  /// Count a point with any volume V, which is (1 + smaller) V in the state that the group shares.
   void add(std::int32_t body, std::int32_t p, double V, double smaller) {
     if (const std::int64_t group = group_of(body, p); group != last_) {
       last_ = group;
@@ -81,7 +81,8 @@ class GroupVolumes {
     (*last_sums_)[0] += V * (1 + smaller);
     (*last_sums_)[1] -= V * smaller;
   }
-  /// Groups with points of this rank in cells of others: the owner adds up and answers.
+  /// Sum over groups with points of this rank in cells of other ranks: the owner of the cell adds
+  /// up and answers.
   void sum() {
     last_ = -1;
     if (num_ranks(owners_.comm) == 1) {
@@ -121,7 +122,7 @@ class GroupVolumes {
   std::int32_t cell_of_part(std::size_t group) const {
     return static_cast<std::int32_t>(group / num_parts_ % num_cells_);
   }
-  // Parts of a cell that are no groups of their own get what they hold together.
+  // Give the parts of a cell that are no groups of their own the sum of the cell.
   void join_parts() {
     if (num_parts_ == 1) return;
     SparseList<char> occupied(num_cells_, 0);
@@ -240,8 +241,8 @@ double change_volume(const LawInStep<Law, dim>& law, double d, std::int32_t p,
   return lost;
 }
 
-// The same where the law is given with what the pore water bears. Water that drains keeps its
-// pressure; other water cavitates.
+// Change the volume of one point whose law is given with the part of the pore water. Water that
+// drains keeps its pressure; other water cavitates.
 template <class Law, int dim>
 double change_volume(const Law& law, const PoreWater& water, double d, std::int32_t p,
                      MaterialPoints<dim>& points) {
@@ -260,8 +261,8 @@ double change_volume(const Law& law, const PoreWater& water, double d, std::int3
   return points.V0[p] * (before - points.energy[p]);
 }
 
-// Change the volume of the pores of a point by the strain d; the skeleton gets no other stress, but
-// what has opened without stress opens or closes with them. Returns the energy the water loses.
+// Change the volume of the pores of a point by the strain d; the stress of the skeleton stays, but
+// a gap opens or closes with them. Returns the energy the water loses.
 template <int dim>
 double change_pores(const PoreWater& water, double d, std::int32_t p, MaterialPoints<dim>& points) {
   double& J = points.J[p];
@@ -324,7 +325,7 @@ class SharedWater {
       }
     }
   }
-  // The same for all points of a group [m].
+  // Height for all points of a group [m].
   double height_of_group(std::int32_t p) const {
     Vector<dim> corners[max_cell_nodes];
     const BackgroundGrid<dim>& grid = owners_.grid;

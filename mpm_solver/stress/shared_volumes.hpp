@@ -10,7 +10,7 @@
 namespace gabion::mpm {
 
 /// Let the points of each group (those of one body in one cell or patch, on all ranks) have one
-/// volumetric strain, so that what they remember of other cells does not stay in them:
+/// volumetric strain, so that the strains that they bring from other cells do not persist:
 ///
 ///     theta_p = tr eps_p + gap_p ,   theta = ln (sum_p V_p / sum_p V_p exp(-theta_p)) ,
 ///     eps_p <- eps_p + (theta - theta_p) / 3 ,   J_p <- J_p exp(theta - theta_p) ,

@@ -23,7 +23,7 @@ struct SofteningAverage {
   double own_width() const { return (1 - weight) * slip_width(); }
 };
 
-/// Those of the bodies of a scene, in their order; empty: none acts.
+/// The averages of the bodies of a scene, in their order; empty: none acts.
 using SofteningAverages = std::span<const SofteningAverage>;
 
 }  // namespace gabion::mpm

@@ -11,8 +11,8 @@ namespace gabion::mpm {
 
 namespace {
 
-// Length by the extent of a cell along an axis, at least: below it the mapping between points and
-// grid is the length.
+// Least length over the extent of a cell along an axis: below it the mapping between points and
+// grid decides the width.
 constexpr double least_length = 1.5;
 
 template <int dim>

@@ -9,11 +9,11 @@
 
 namespace gabion::mpm {
 
-/// What laws may know of a step or substep, see PointContext.
+/// Context of laws in a step or substep, see PointContext.
 template <int dim>
 struct StepContext {
   double dt = 0;                              ///< [s]
-  const BackgroundGrid<dim>* grid = nullptr;  ///< null: no band is as narrow as the grid makes it
+  const BackgroundGrid<dim>* grid = nullptr;  ///< null: bands are not limited by the grid
   SofteningAverages averages = {};            ///< of the bodies
 
   /// Context of one point at the accepted state.

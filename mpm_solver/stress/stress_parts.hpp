@@ -20,13 +20,13 @@ namespace gabion::mpm {
 /// A step that squeezes a point below this share of its volume is inadmissible.
 inline constexpr double min_J_ratio = 0.1;
 
-/// State of each point's material at the start of a substep, brought back to the configuration at
+/// State of each point's material at the start of a substep, pulled back to the configuration at
 /// the start of the step.
 template <int dim>
 struct MaterialPath {
   std::vector<MaterialState<dim>> history;
   std::vector<InternalState> internal;  ///< empty where MaterialPoints::internal is
-  /// State variables of a Umat, and 1 + H of the step up to here: such a law is not brought back.
+  /// State variables of a Umat, and 1 + H of the step up to here: such a law is not pulled back.
   /// Empty where MaterialPoints::variables is.
   std::vector<StateVariables> variables;
   std::vector<Matrix<dim>> F;
@@ -38,7 +38,7 @@ struct RefusedPoint {
   Refusal refusal = Refusal::squeezed;
 };
 
-/// What is wrong with it, after its name.
+/// The fault of the point in words, to follow its name.
 std::string refusal_text(Refusal refusal);
 
 /// Nodal forces of some groups, kept as they are found.
@@ -49,7 +49,7 @@ struct GroupForces {
   std::vector<double> values;       ///< of the nodes of a group, dim each [N]
 };
 
-/// What the stresses of one rank's material points depend on, and where they go.
+/// Data on which the stresses of one rank's material points depend, and their destination.
 ///
 /// A solution in substeps has a `path`. Every evaluation then begins there, and replaces it by what
 /// it found. Without (null or empty), all begin at points.history and points.internal.
@@ -60,7 +60,7 @@ struct GroupForces {
 ///
 /// `laws` are those of points whose constants vary (PointLaws).
 ///
-/// `context` is that of the step or substep under way; needed by bodies of a ContextualLaw only.
+/// `context` is that of the current step or substep; only bodies of a ContextualLaw need it.
 template <int dim>
 struct StressParts {
   const std::vector<Body<dim>>& bodies;

@@ -80,7 +80,7 @@ template <int dim>
 double unstored_work(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
                      const MaterialPoints<dim>& points);
 
-/// Make stresses and memory of the trial state those of the points.
+/// Give the points stresses and memory of the trial state.
 template <int dim>
 void accept_stresses(const PointWeights<dim>& weights, const TrialPoints<dim>& trial,
                      MaterialPoints<dim>& points);

@@ -7,9 +7,9 @@
 
 namespace gabion::mpm {
 
-/// What the pore water of four points adds to the stress of whichever law they have, in each lane.
-/// With the water pressure p and its stiffness K_w / n at the volume ratio J since the stress-free
-/// state, tau = tau' - J p 1:
+/// Stress of the pore water of four points, added to that of their law, in each lane. With the
+/// water pressure p and its stiffness K_w / n at the volume ratio J since the stress-free state,
+/// tau = tau' - J p 1:
 ///
 ///     P = P' - J p G ,  A = A' + J (K_w / n - p) G (x) G + J p G_aL G_bJ ,  G = (1 + H)^-T
 struct PoreStress {

@@ -9,15 +9,16 @@
 
 namespace gabion::mpm {
 
-/// The material points of one rank that yielded in any trial state since a solution is sought.
-/// Their stress has kinks, at the apex between full stiffness and none: where Newton's method may
-/// need regularisation (NewtonProblem::regularise).
+/// The material points of one rank that yielded in any trial state since the solution began. Their
+/// stress has kinks, at the apex between full stiffness and none, where Newton's method may need
+/// regularisation (NewtonProblem::regularise).
 template <int dim>
 class YieldingPoints {
  public:
-  /// A new solution is sought.
+  /// Forget the points: a new solution begins.
   void forget() { yielded_.clear(); }
-  /// The stresses were evaluated. @param region  of each entry of PointWeights
+  /// Note the points that yielded in an evaluation of the stresses. @param region  of each entry of
+  /// PointWeights
   void add(const std::vector<YieldRegion>& region);
   bool any() const;
   /// Add `share` of the elastic stiffness of these points to K, at small strain.

@@ -109,7 +109,7 @@ void InelasticProjection<dim>::search(const WallConditions<dim>& walls, const Gr
   }
 }
 
-// The velocity mapped from the points after the stop.
+// Set the velocity mapped from the points after the projection.
 template <int dim>
 void InelasticProjection<dim>::move_nodes(const PointWeights<dim>& weights,
                                           GridNodes<dim>& nodes) const {
@@ -130,7 +130,7 @@ void InelasticProjection<dim>::move_nodes(const PointWeights<dim>& weights,
   }
 }
 
-// What the points would have at the held nodes if they moved with the nodes and walls.
+// Velocity that the points would have at the held nodes if they moved with the nodes and walls.
 template <int dim>
 std::vector<double> InelasticProjection<dim>::smooth(const PointWeights<dim>& weights,
                                                      const GridNodes<dim>& nodes,
@@ -155,7 +155,7 @@ std::vector<double> InelasticProjection<dim>::smooth(const PointWeights<dim>& we
   return mapped;
 }
 
-// No held node may get more than it has: |u + r| <= |u|.
+// Limit r so that no held node gets more than it has: |u + r| <= |u|.
 template <int dim>
 void InelasticProjection<dim>::limit(const WallConditions<dim>& walls, std::span<const double> u,
                                      std::vector<double>& r) const {
@@ -168,9 +168,9 @@ void InelasticProjection<dim>::limit(const WallConditions<dim>& walls, std::span
   }
 }
 
-// The points get J . (u + W J / 2) in the frame of the walls: where that is a gain, the largest
-// share of J without one.
-// @returns what they get, <= 0 [J]
+// The points get the energy J . (u + W J / 2) in the frame of the walls; where that is a gain, J is
+// reduced to the largest share without one.
+// @returns the energy, <= 0 [J]
 template <int dim>
 double InelasticProjection<dim>::avoid_gain(const SharedNodes& shared, std::span<const double> u,
                                             std::vector<double>& W_J) {

@@ -20,14 +20,15 @@ namespace gabion::mpm {
 ///
 /// with Q and w of WallConditions. This is the plastic impact of the points: of all changes of
 /// their velocities that meet the condition it takes the least kinetic energy. The mapped v of soil
-/// that shears over a wall is not zero there, S tells how much is no motion through the wall.
-/// Stopping the nodes instead, m_i (Q v_i - v_i), would brake such soil in each step anew. Where
-/// the points lag behind the nodes, s alone would push them; a wall at rest gives no energy. What
-/// W's coupling of the nodes leaves of a gain is taken out by a factor of J.
+/// that shears over a wall is not zero there, S tells which part of it is no motion through the
+/// wall. Stopping the nodes instead, m_i (Q v_i - v_i), would brake such soil in each step anew.
+/// Where the points lag behind the nodes, s alone would push them; a wall at rest gives no energy.
+/// A gain that remains because W couples the nodes is removed by a factor of J.
 ///
-/// Found by `num_sweeps` Chebyshev iterations for eigenvalues of m W from `least` to 1, its upper
-/// bound: a fixed linear map, which asks for no sums over all nodes. It leaves 0.04 of a mode at
-/// `least`; what points hardly weigh on follows in later steps, nodes without weight are left out.
+/// J is found by `num_sweeps` Chebyshev iterations for eigenvalues of m W from `least` to 1, its
+/// upper bound: a fixed linear map, which needs no sums over all nodes. It leaves 0.04 of a mode at
+/// `least`; nodes on which points hardly weigh follow in later steps, nodes without weight are left
+/// out.
 /// @see Golub and Varga (1961) for Chebyshev's method
 template <int dim>
 class InelasticProjection {
@@ -40,10 +41,10 @@ class InelasticProjection {
   /// @param nodes  with the walls' nodes selected. @note Collective.
   void find(const MaterialPoints<dim>& points, const PointWeights<dim>& weights,
             const WallConditions<dim>& walls, double dt, GridNodes<dim>& nodes);
-  /// Nothing is stopped in this step.
+  /// Forget the impulses: nothing is stopped in this step.
   void forget();
 
-  /// Give the points what `find` gave the nodes.
+  /// Give the points the impulses that `find` gave the nodes.
   void kick(const PointWeights<dim>& weights, MaterialPoints<dim>& points) const;
   bool acts() const { return acts_; }                        ///< on any rank
   const std::vector<double>& impulse() const { return J_; }  ///< num_nodes x dim [N s]; @pre acts
@@ -52,7 +53,7 @@ class InelasticProjection {
     double loss = 0;                            ///< kinetic energy of the points [J]
     double work = 0;                            ///< of walls that move, on the points [J]
     Vector<dim> impulse = Vector<dim>::Zero();  ///< on the points [N s]
-    /// Momentum of the nodes that the points do not have [N s].
+    /// Momentum of the nodes that the points do not get [N s].
     Vector<dim> of_nodes = Vector<dim>::Zero();
   };
   const Totals& totals() const { return totals_; }

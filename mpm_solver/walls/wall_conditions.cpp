@@ -109,7 +109,8 @@ void WallConditions<dim>::add_slip_walls(const BackgroundGrid<dim>& grid) {
   }
 }
 
-// Pieces that are flush become one, whose normal all of them get; each direction is held once.
+// Add the pieces: flush ones become one, whose normal all of them get, and each direction is held
+// once.
 template <int dim>
 void WallConditions<dim>::add_pieces(const BackgroundGrid<dim>& grid,
                                      std::span<SlipPiece> at_node) {

@@ -22,8 +22,8 @@ struct WallSettings {
   bool drained = false;  ///< pore water passes it, with the pressure of water at rest outside
 };
 
-/// What walls do to a grid node: the directions in which it may move, the range of the projector Q,
-/// and its displacement w in the other ones.
+/// Conditions of walls at grid nodes: the directions in which a node may move, the range of the
+/// projector Q, and its displacement w in the other directions.
 template <int dim>
 class WallConditions {
  public:
@@ -38,10 +38,10 @@ class WallConditions {
   /// corner_warnings() [deg].
   static constexpr double steep_angle = 50;
 
-  /// A sentence for each wall that has nodes where soil may be meant to slide round a corner, and
-  /// for each pair of walls that has.
+  /// A sentence for each wall, and for each pair of walls, with nodes where soil may be meant to
+  /// slide round a corner.
   std::vector<std::string> corner_warnings() const;
-  /// Look at all motions from one time to another [s], infinite: for ever.
+  /// Check all motions from one time to another [s]; the second may be infinite.
   /// @throws ConfigError  walls that share a node move it to different places; names both
   void require_agreement(double start, double end);
 
@@ -72,8 +72,8 @@ class WallConditions {
   void impose(std::span<double> x, double scale) const;
 
   /// Force of the soil on each wall [N], in the order of the settings, on the nodes that this rank
-  /// owns. What a node cannot do is shared by the walls that hold it, along the direction that each
-  /// of them holds.
+  /// owns. The force at a node is shared by the walls that hold it, each along the direction that
+  /// it holds.
   /// @param r  residual before it was projected, num_nodes x dim
   std::vector<Vector<dim>> forces(std::span<const double> r, const SharedNodes& shared) const;
 

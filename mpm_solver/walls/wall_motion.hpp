@@ -9,7 +9,7 @@
 namespace gabion::mpm {
 
 /// Prescribed displacement of a rigid wall: velocity times time, or a table, piecewise linear and
-/// held before its first and after its last row. Neither: the wall is still.
+/// constant before its first and after its last row. Neither: the wall is at rest.
 struct WallMotion {
   std::vector<double> velocity;            ///< [m/s], dim values; empty: see table
   std::vector<std::vector<double>> table;  ///< rows [t, u_x, u_y(, u_z)], t strictly increasing

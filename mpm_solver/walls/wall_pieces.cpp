@@ -51,7 +51,7 @@ class WallFacets {
     if constexpr (dim == 2) {
       return (of_a[0] == node) != (of_b[0] == node) ? Meeting::along : Meeting::opposite;
     } else {
-      // Neighbours with the same side go through their edge in opposite directions.
+      // Neighbours whose normals are on the same side go through their edge in opposite directions.
       if (next(of_a, node) == previous(of_b, node) || previous(of_a, node) == next(of_b, node)) {
         return Meeting::along;
       }
@@ -125,7 +125,7 @@ class NodePieces {
     return true;
   }
 
-  // Take what hangs smoothly on facet k into its piece.
+  // Take the facets that meet facet k smoothly into its piece.
   void spread(std::size_t k, std::vector<std::size_t>& front) {
     static const double least = std::cos(corner_angle * std::numbers::pi / 180);
     for (std::size_t j = 0; j < around_.size(); ++j) {

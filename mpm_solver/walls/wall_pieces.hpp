@@ -9,8 +9,8 @@
 
 namespace gabion::mpm {
 
-/// Facets of a wall that meet with a bend of less are one smooth piece [deg]. Above 20, so that
-/// round-off does not decide about a slope of 20 degrees that runs out on a flat.
+/// Facets of a wall that meet with a smaller bend than this are one smooth piece [deg]. Above 20,
+/// so that round-off does not decide about a slope of 20 degrees that runs out on a flat.
 inline constexpr double corner_angle = 20.5;
 
 /// Common properties of the facets of a wall around one of its nodes.
@@ -21,8 +21,8 @@ struct WallPiece {
   Vector<dim> area = Vector<dim>::Zero();  ///< sum of the area vectors [m^(dim-1)]
 };
 
-/// Part the facets around each node of a wall into smooth pieces: two of them are in one piece if a
-/// chain of bends below corner_angle joins them, from edge to edge (in 2D, from segment to
+/// Divide the facets around each node of a wall into smooth pieces: two of them are in one piece if
+/// a chain of bends below corner_angle joins them, from edge to edge (in 2D, from segment to
 /// segment). On a smooth surface the mean normal is that of the node to first order in the size of
 /// the facets, and soil that moves at right angles to it at each node keeps its volume: it is the
 /// integral of N_i n.
