@@ -163,7 +163,7 @@ std::vector<ParticipantRole> read_participants(ConfigReader& in) {
   return result;
 }
 
-/// Nobody sends what one of the sides of every interface has to send.
+/// Fail because no participant sends a quantity that one side of every interface has to send.
 [[noreturn]] void fail_for_lack_of_senders(ConfigReader& in, const std::string& key,
                                            const std::string& found,
                                            const std::vector<ParticipantRole>& participants,

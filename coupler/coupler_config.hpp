@@ -21,7 +21,7 @@ enum class Scheme {
 };
 std::string name(Scheme scheme);
 
-/// The number of coupling iterations as evidence for dt; both counts are off at 0.
+/// Limits of dt by the number of coupling iterations; both counts are off at 0.
 struct DtByIterations {
   int few = 0;   ///< dt may grow only while steps need no more than this
   int many = 0;  ///< the next step is halved after one that needed this or more; > few

@@ -87,7 +87,7 @@ void CouplingLoop::run_steps() {
   checkpoints_.at_end();
 }
 
-/// Time 0: interfaces are where the structures begin.
+/// Start at time 0: interfaces are where the structures begin.
 void CouplingLoop::start() {
   sides_.tell_start();
   soil_work_.start(sides_.map().soil_displacement(sides_.accepted_x()));
@@ -145,11 +145,11 @@ void CouplingLoop::start_next(const Attempt& done, double structures_dt) {
   if (next.finished() || clock_.is_due(next.time()) || checkpoints_.is_likely()) return;
   if (!sides_.take_next_step()) return;
   DtRange proposed = steps_.same_next(likely_dt);
-  if (proposed.contains(others_dt)) proposed.below.reset();  // it is not the soils' wish
+  if (proposed.contains(others_dt)) proposed.below.reset();  // the soils did not propose it
   step_.start_next(request_of(next), proposed);
 }
 
-/// The solvers' wish, made smaller where the coupling needed many iterations
+/// Step size that the solvers propose, reduced where the coupling needed many iterations
 /// (docs/theory/coupling.md).
 double CouplingLoop::allowed_dt(const Attempt& done, double proposed_dt) const {
   const DtByIterations& control = settings_.coupling.step_control;

@@ -56,7 +56,8 @@ Json run_settings(const CouplerSettings& settings, const std::string& output) {
           {"checkpoints", true}};
 }
 
-/// A solver of the launch that cannot begin has said why at the same terminal.
+/// Log the last error; a solver of the launch that cannot begin has shown its reason at this
+/// terminal already.
 void say_last(const std::exception& error, const MpiSession& session) {
   const auto* declined = dynamic_cast<const Declined*>(&error);
   if (declined != nullptr && session.launched_with(declined->program())) {
@@ -70,8 +71,8 @@ void warn_all(const std::vector<std::string>& warnings) {
   for (const std::string& text : warnings) log::warn("{}", text);
 }
 
-/// `--check`: the rules from file to file and, beside other programs, all that comes before the
-/// first step.
+/// Do `--check`: compare the files and, if other programs run, do all that comes before the first
+/// step.
 void check_scene(const CouplerSettings& settings, const Scene& scene,
                  const std::vector<ProgramEntry>& files, const ProgramOptions& options,
                  const MpiSession& session) {
@@ -142,7 +143,7 @@ void print_row(const CheckRow& row) {
   std::fflush(stdout);
 }
 
-/// The other participants of the scene are not needed, and nothing is coupled.
+/// Check one participant, without the others of the scene and without coupling.
 void check_one(const CouplerSettings& settings, const Scene& scene, const ProgramOptions& options,
                const MpiSession& session) {
   const std::string& name = options.check_participant;

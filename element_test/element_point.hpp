@@ -55,7 +55,7 @@ class ElementPoint {
  public:
   explicit ElementPoint(const ElementSettings& settings) : settings_(settings) {}
 
-  /// The sample without strain, drained; what the virgin soil remembers is the law's.
+  /// The sample without strain, drained; its memory is that of virgin soil in the law.
   /// @throws ConvergenceError  the law has no stress there
   ElementState start() const;
 

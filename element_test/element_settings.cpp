@@ -87,7 +87,7 @@ Components read_components(ConfigReader in) {
   return found;
 }
 
-// Each component is led by one quantity at most.
+// Refuse a component that two quantities lead.
 void require_once(const ConfigReader& in, const StageSettings& stage) {
   for (int k = 0; k < num_components; ++k) {
     const bool moved = std::ranges::find(stage.moved, k) != stage.moved.end();
@@ -178,7 +178,7 @@ bool depends_on_time(const Law& law) {
   }
 }
 
-// What the law wants to know of time and of the width of a band of shear.
+// Check that the settings have the time and the width of a shear band where the law needs them.
 void require_context(const ConfigReader& in, const ElementSettings& test) {
   const auto& law = test.material.law;
   const bool by_slip = std::visit(

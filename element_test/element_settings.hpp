@@ -19,7 +19,7 @@ inline constexpr int num_components = 6;
 
 using Components = std::array<std::optional<double>, num_components>;
 
-/// Part of a test: what is led goes linearly from where it is to its value at the end.
+/// Part of a test: led quantities go linearly from their present values to those at the end.
 struct StageSettings {
   std::string name;
   bool zero_strain = false;  ///< strains count from the start of this stage on

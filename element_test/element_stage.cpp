@@ -75,14 +75,14 @@ class Controls {
     return equations;
   }
 
-  /// The pore pressure is what keeps the volume.
+  /// Whether the pore pressure is the one that keeps the volume constant.
   bool keeps_volume() const { return stage_.undrained && !settings_.water; }
   /// Pressure of pores that drain [Pa].
   double drained(double share) const {
     return led(start_.pore_pressure, settings_.back_pressure, share);
   }
 
-  /// Put the strains that are led where they have to be.
+  /// Set the led strains to their values.
   void lead(double share, Vector7& x) const {
     for (int k = 0; k < num_components; ++k) {
       if (!is_moved(k) && !stage_.stress[k]) x[k] = led(start_.strain[k], strain_end_[k], share);
@@ -126,7 +126,8 @@ class Controls {
     return led(start_.stress().head<3>().mean(), -*stage_.mean_stress, share);
   }
 
-  // The first of them gives the mean, the others keep their distance from the first.
+  // Equation of a moved stress: the first of them gives the mean, the others keep their difference
+  // to the first.
   void moved_row(int k, const Vector6& stress, const Eigen::Matrix<double, 6, 7>& slope,
                  double share, Equations& equations) const {
     auto& [r, J] = equations;
@@ -197,7 +198,7 @@ class Step {
     return refused;
   }
 
-  // The whole way, or the first part of it that brings the equations nearer; the shortest part if
+  // Take the whole step, or the first part of it that reduces the residual; the shortest part if
   // none does.
   std::string go(const Vector7& path, Vector7& x) {
     const double before = norm();

@@ -6,7 +6,7 @@
 
 namespace gabion::element {
 
-/// What the command line says.
+/// Options of the command line.
 struct ElementOptions {
   std::string test;    ///< element.json
   std::string output;  ///< table that is written

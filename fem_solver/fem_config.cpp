@@ -32,7 +32,7 @@ std::vector<std::string> allowed_components() {
   return {component_names, component_names + dim};
 }
 
-/// Components by their numbers, each of the allowed ones once.
+/// Numbers of the components in a list, each of the allowed ones at most once.
 std::vector<int> numbers_of(const ConfigReader& in, const std::string& key,
                             const std::vector<std::string>& words,
                             const std::vector<std::string>& allowed) {
@@ -156,7 +156,7 @@ void require_distinct_facets(const ConfigReader& in, const FemSettings<dim>& s) 
   }
 }
 
-// A direction that nothing holds makes the matrix singular where there is no inertia.
+// Refuse a direction that nothing holds: without inertia it makes the matrix singular.
 template <int dim>
 void require_support(const ConfigReader& in, const FemSettings<dim>& s) {
   for (int c = 0; c < dim; ++c) {

@@ -184,7 +184,7 @@ KeyTable section_keys();
 /// "dimension": 2 or 3.
 int read_dimension(ConfigReader& in);
 
-// Parts that every structure has.
+// Readers of parts that every structure has.
 
 template <int dim>
 void read_motion(ConfigReader& in, MotionSettings<dim>& s);
@@ -211,8 +211,8 @@ void require_distinct_names(const ConfigReader& in, const std::string& key, cons
   }
 }
 
-/// Read everything of fem.json, with fem_keys(), but "dimension", "time" and "output".
-/// @param comm  the ranks that part the mesh; MPI_COMM_NULL: this process has all of it
+/// Read all of fem.json (fem_keys()) except "dimension", "time" and "output".
+/// @param comm  the ranks that divide the mesh; MPI_COMM_NULL: this process has all of it
 /// @throws ConfigError  contradictory settings, wrong keys and values
 /// @note Collective.
 template <int dim>

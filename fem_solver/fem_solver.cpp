@@ -138,7 +138,7 @@ AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved
   return report;
 }
 
-/// Cells and lines of all ranks that failed.
+/// Number of cells and lines of all ranks that failed.
 template <int dim>
 std::int64_t FemSolver<dim>::num_failed() const {
   const Equilibrium<dim>& equilibrium = step_.equilibrium();

@@ -11,7 +11,7 @@ Vector<dim> read_vector(ConfigReader& in, const std::string& key) {
   return Eigen::Map<const Vector<dim>>(in.vector(key, dim).data());
 }
 
-// Read what acts at a point or on the nodes of a group.
+// Readers of loads, masses and springs at a point or on the nodes of a group.
 
 template <int dim>
 PointMassSettings<dim> read_point_mass(ConfigReader in);

@@ -6,8 +6,8 @@
 
 namespace gabion {
 
-/// What this process has sent to other ranks, by itself and through PETSc, and how long it waited
-/// for them. MUMPS calls from Fortran and is not seen.
+/// Messages of this process to other ranks, its own and PETSc's, and the time that it waited for
+/// them. Those of MUMPS, which calls from Fortran, are not counted.
 struct MpiTraffic {
   std::int64_t messages = 0;          ///< to one rank each
   std::int64_t message_bytes = 0;     ///< in them

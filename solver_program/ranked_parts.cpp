@@ -16,7 +16,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Why the counts of the ranks do not fit the arrays of this kind; empty: they do.
+/// Reason why the counts of the ranks do not fit the arrays of this kind; empty: they do.
 std::string problem_with(const Json& parts, const std::string& kind, const ArraySize& size) {
   const Json counts_by_name = parts.value(kind, Json());
   const auto num_ranks = parts.at("ranks").get<std::size_t>();

@@ -15,7 +15,8 @@ namespace {
 
 using Frames = std::vector<std::string>;
 
-/// Broadcast from rank 0 while the receivers sleep: a core that waits is free for another program.
+/// Broadcast from rank 0 while the receivers sleep, so that the core of a rank that waits is free
+/// for another program.
 void broadcast_asleep(MPI_Comm comm, std::int64_t& value) {
   constexpr int eager_tests = 100;
   constexpr auto nap = std::chrono::microseconds(50);

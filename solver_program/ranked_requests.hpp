@@ -10,8 +10,8 @@
 
 namespace gabion {
 
-/// The coupler's requests on the first rank of a solver, which gives them on to the other ranks
-/// byte by byte before it does what they ask. Only this rank replies.
+/// The coupler's requests on the first rank of a solver, which passes them on to the other ranks
+/// byte by byte before it does them. Only this rank replies.
 class LeadingRequests final : public RequestSource {
  public:
   /// @param source  outlives this
@@ -27,7 +27,7 @@ class LeadingRequests final : public RequestSource {
   bool finished_ = false;
 };
 
-/// The same requests on every other rank, which sleeps until the next one comes. Replies go
+/// The coupler's requests on every other rank, which sleeps until the next one comes. Replies go
 /// nowhere.
 class FollowingRequests final : public RequestSource {
  public:

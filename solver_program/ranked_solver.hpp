@@ -14,8 +14,8 @@
 namespace gabion {
 
 /// A solver on several ranks as one: all of them call the same function with the same values, and
-/// an error on any of them becomes one on all, the worst one. On one rank every call goes straight
-/// through.
+/// an error on any of them becomes one on all, the worst one. On one rank calls are passed on
+/// directly.
 /// @note Functions are collective; the solver's own answers are there on every rank.
 class RankedSolver final : public Solver, public DisplacedAtStart, public TakesStart {
  public:
@@ -37,14 +37,13 @@ class RankedSolver final : public Solver, public DisplacedAtStart, public TakesS
   std::vector<double> probes() const override;
   /// Summary of the solver, with `peak_memory` [bytes], `cpu_seconds` of the programs and
   /// `output_cpu_seconds` of them, spent on frames and checkpoints. On several ranks where
-  /// mpi_traffic() is counted it has `mpi`, what the steps made them send:
-  /// `largest_rank`, `all_ranks`.
+  /// mpi_traffic() is counted it has `mpi`, the messages of the steps: `largest_rank`, `all_ranks`.
   Json summary() const override;
   bool keeps_state() const override { return inner_.keeps_state(); }
   /// The parts of all ranks on the first one (gather_state).
   State save_state() override;
   /// Each rank writes its part of the file (write_ranked_state). Where a rank does not see the
-  /// folder, on another machine, with a warning as save_state().
+  /// folder, being on another machine, it warns and acts as save_state().
   State save_state_to(const std::string& path) override;
   /// @param state  of all ranks; read on the first one only (load_gathered). A file: on all ranks
   void load_state(const State& state) override;

@@ -61,8 +61,8 @@ class RankedStateReader {
   std::vector<std::string> lists_;
 };
 
-/// Rank that takes the part of a rank of the other run: no more than one each as long as there are
-/// enough, and the first one that of the first.
+/// Rank that takes the part of a rank of the other run: at most one part each as long as there are
+/// enough ranks; the first rank takes the part of the first.
 int taker_of(int part, int num_parts, int num_ranks) {
   return static_cast<int>(std::int64_t{part} * num_ranks / num_parts);
 }

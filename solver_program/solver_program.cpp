@@ -63,7 +63,7 @@ struct SolverRun {
   ConfigReader& reader;
 };
 
-/// All that it takes to speak to the coupler, whatever the scene says.
+/// Settings of the connection to the coupler, which do not depend on the scene.
 ParticipantSettings wire_settings(const SolverRun& run, const std::string& endpoint) {
   ParticipantSettings settings;
   settings.endpoint = endpoint;
@@ -84,7 +84,7 @@ ParticipantSettings participant_settings(const SolverRun& run, const std::string
   return settings;
 }
 
-/// The first rank talks to the coupler, the others do what it is asked.
+/// Serve the coupler: the first rank talks to it, the others carry out the same requests.
 /// @param welcomed  on the first rank, after the handshake
 void serve_on_ranks(MPI_Comm comm, Solver& inner, const ParticipantSettings& settings,
                     const std::function<void(const Connection&)>& welcomed) {

@@ -16,8 +16,8 @@
 
 namespace gabion {
 
-/// What a solver needs to know when no coupler does: the objects "time", "output" and "checkpoint"
-/// of its file.
+/// Settings of a solver that runs without coupler: the objects "time", "output" and "checkpoint" of
+/// its file.
 struct AloneSettings {
   TimeSettings time;
   double output_interval = 0;  ///< [s] > 0

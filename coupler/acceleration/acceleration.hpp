@@ -24,7 +24,7 @@ struct AccelerationSettings {
 KeyTable acceleration_keys();
 AccelerationSettings read_acceleration_settings(ConfigReader in);
 
-/// What the last `next` did, for the log.
+/// Counts of the last `next`, for the log.
 struct AccelerationCounters {
   double omega = 0;            ///< relaxation used; 0 when columns decided
   int columns = 0;             ///< number of columns in use
@@ -43,15 +43,16 @@ class Acceleration {
   virtual ~Acceleration() = default;
 
   virtual void begin_step() = 0;
-  /// The next guess from the last guess and what the solvers answered to it.
+  /// The next guess, from the last guess and the solvers' answer to it.
   virtual Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) = 0;
-  /// The step was accepted with this last pair, which still teaches something.
+  /// End a step that was accepted with this last pair, from which the method still learns.
   virtual void end_step(const Eigen::VectorXd& x, const Eigen::VectorXd& x_tilde) = 0;
   virtual void discard_step() = 0;
-  /// Forget earlier steps, and what this step taught so far.
+  /// Forget earlier steps, and all that was learned in this one.
   /// @returns number of columns that were forgotten
   virtual int reset() = 0;
-  /// Multiply all that is kept by these factors, as x and x_tilde will be from now on.
+  /// Multiply all kept vectors by these factors, by which x and x_tilde will be multiplied from now
+  /// on.
   virtual void rescale(const Eigen::VectorXd& ratio) = 0;
   virtual AccelerationCounters counters() const = 0;
   /// Save or load what was learned from accepted steps. @pre no step is open

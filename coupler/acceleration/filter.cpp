@@ -155,8 +155,8 @@ void FilteredLeastSquares::keep_newest(Eigen::Index count) {
   kept_ = numbers_below(count);
 }
 
-// What is left of R beside a column that was dropped is what Gram-Schmidt without it gives: the
-// test of the next column is the same as in a factorisation from the newest to the oldest.
+// The part of R without a dropped column is that of Gram-Schmidt without this column: the test of
+// the next column is that of a factorisation from the newest to the oldest.
 void FilteredLeastSquares::drop_covered(const Filter& filter) {
   const double limit = limit_of_length(filter);
   for (Eigen::Index i = 1; i < r_.cols();) {

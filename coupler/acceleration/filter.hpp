@@ -20,8 +20,8 @@ enum class FilterKind { none, qr1, qr1_absolute, qr2, qr3 };
 ///     qr2            the part of v_i across the newer kept ones is shorter than limit |v_i|
 ///     qr3            as qr2; there the test on R decides only whether qr2 has anything to do
 ///
-/// The newest column is always kept. Whatever the kind, a part across that is only round-off of
-/// the column is no direction, and such a column is dropped.
+/// The newest column is always kept. With every kind a column is dropped whose part across the
+/// others is only round-off of the column.
 /// @see Haelterman et al. (2016) for QR1 and QR2, Davis et al. (2022) for QR3
 struct Filter {
   FilterKind kind = FilterKind::qr2;
@@ -40,7 +40,7 @@ class FilteredLeastSquares {
   /// @param A  columns from the newest to the oldest
   FilteredLeastSquares(const Eigen::MatrixXd& A, const Filter& filter);
 
-  /// Put a column before all others and filter again. Their rows that are new are zero.
+  /// Put a column before all others and filter again. New rows of the others are zero.
   /// @param a  as many rows as the columns have, or more
   void prepend(const Eigen::VectorXd& a, const Filter& filter);
   /// Forget the oldest columns, all but `count`. Those that are left count from 0 in kept().

@@ -9,7 +9,8 @@ namespace gabion {
 
 namespace {
 
-/// Coordinates as columns; the basis has grown since a secant came, its new entries are 0.
+/// Coordinates of secants as columns; entries are 0 for vectors by which the basis has grown since
+/// a secant came.
 Eigen::MatrixXd matrix_of(const std::deque<Secant>& secants, const std::vector<std::size_t>& which,
                           Eigen::Index rows) {
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(which.size()));
@@ -92,8 +93,8 @@ Eigen::VectorXd QuasiNewton::next(const Eigen::VectorXd& x, const Eigen::VectorX
   return counters_.fell_back ? result : shortened(x, result);
 }
 
-// The update of an exact Jacobian is no longer than the residual where a force that answers a
-// displacement pushes against it, as between soil and structure.
+// Shorten the update: that of an exact Jacobian is no longer than the residual where the force that
+// a displacement causes pushes against it, as between soil and structure.
 Eigen::VectorXd QuasiNewton::shortened(const Eigen::VectorXd& x,
                                        const Eigen::VectorXd& next_x) const {
   constexpr double longest = 2;  // length of an update over that of the residual, at most
@@ -133,7 +134,7 @@ bool QuasiNewton::fall_back() {
   filter_ = robust;
   for (Secant& secant : secants_) secant.dropped = false;
   factored_.reset();
-  // Differences to the pair before stay what they are; the next secant begins at the best pair.
+  // Secants stay as they are; the next one begins at the best pair.
   r_last_ = watch_.best_r();
   x_tilde_last_ = watch_.best_x_tilde();
   counters_.fell_back = true;

@@ -15,11 +15,11 @@ namespace gabion {
 struct Secant {
   Eigen::VectorXd s;      ///< difference of r: coordinates in the basis, which may have grown
   Eigen::VectorXd w;      ///< difference of x_tilde
-  std::int64_t step = 0;  ///< counts the steps that had secants
-  bool dropped = false;   ///< in the current step; for good once that is accepted
+  std::int64_t step = 0;  ///< number of the step, among steps that had secants
+  bool dropped = false;   ///< in the current step; permanently once that is accepted
 };
 
-/// Notices that the iterations of a step lead nowhere, and keeps their best pair.
+/// Notices that the iterations of a step make no progress, and keeps their best pair.
 class ProgressWatch {
  public:
   static constexpr int patience = 5;     ///< iterations without a new smallest residual
@@ -43,9 +43,9 @@ class ProgressWatch {
 ///     c  = argmin |V c + r|      over the columns of this and of earlier steps
 ///     x+ = x + (W - V) c + beta (r + V c)         (beta = 1: x+ = x_tilde + W c)
 ///
-/// Without any column x+ = x + omega r. Where contact has changed, earlier columns mislead: no
-/// update is longer than twice the residual. This is IQN-ILS, and the multi-vector update that
-/// keeps what earlier steps found, N V_prev = W_prev: the two are the same
+/// Without any column x+ = x + omega r. Since earlier columns mislead where contact has changed, no
+/// update is longer than twice the residual. This is IQN-ILS, and also the multi-vector update that
+/// keeps the secant equations of earlier steps, N V_prev = W_prev: the two are equal
 /// (docs/theory/coupling.md, (C8)).
 /// @see Degroote, Bathe, Vierendeels (2009); Bogaers et al. (2014) for the multi-vector idea; Gay,
 ///      Schnabel (1978) for updates that keep earlier secants

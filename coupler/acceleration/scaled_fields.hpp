@@ -9,7 +9,8 @@
 namespace gabion {
 
 /// An acceleration of two fields at once, displacement u and force f, which have different units.
-/// Each answers the other: u~ = S(f), f~ = M(u). Before the method sees them, u is multiplied by
+/// Each is a response to the other: u~ = S(f), f~ = M(u). Before the method sees them, u is
+/// multiplied by
 ///
 ///     w = sqrt((|df~| / |du|) (|df| / |du~|))        d: change from one iteration to the next
 ///
@@ -50,7 +51,7 @@ class ScaledFields : public Acceleration {
   std::array<Eigen::Index, 2> sizes_;
   double weight_ = 1;
   bool first_step_ = true;
-  // The step under way: sums of squares of changes of x and of x_tilde, and the last iteration.
+  // The current step: sums of squares of changes of x and of x_tilde, and the last iteration.
   Eigen::Array2d changes_ = Eigen::Array2d::Zero();
   Eigen::Array2d answers_ = Eigen::Array2d::Zero();
   Eigen::VectorXd x_last_;  // empty before the first iteration

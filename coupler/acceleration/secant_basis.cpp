@@ -12,7 +12,7 @@ namespace gabion {
 
 namespace {
 
-// Rows between two uses of a column: few enough for the cache, enough to read memory in one go.
+// Rows of a block: few enough for the cache, enough to read memory in one go.
 constexpr Eigen::Index block_size = 1024;
 constexpr double round_off = 1e-13;
 constexpr double cancelled = 1e-3;
@@ -52,9 +52,9 @@ void SecantBasis::extend(const Eigen::VectorXd& v, const Eigen::VectorXd& r, Eig
   });
   Eigen::VectorXd rest = v;
   Eigen::VectorXd left = take_out(s, rest);
-  // What is left along the basis is round-off of v. It goes in a second pass, which leaves as small
-  // a share of itself: enough, unless there was little else in the rest (then that share counts
-  // against the small rest, and the basis would lose its right angles column by column).
+  // The part left along the basis is round-off of v. A second pass removes it but for an equally
+  // small share. That suffices unless the rest is small itself: then this share counts against the
+  // small rest, and the basis would lose its orthogonality column by column.
   for (int pass = 0; pass < 3 && left.norm() > round_off * rest.norm(); ++pass) {
     s.head(m) += left;
     if (left.norm() < cancelled * rest.norm()) {
@@ -123,9 +123,10 @@ void SecantBasis::shrink(Eigen::MatrixXd& s) {
     s.resize(0, 0);
     return;
   }
-  // Z: what no column has a part along. Householder reflections H that turn Z into the first unit
-  // vectors change the basis so that its first vectors are not needed: work grows with the surplus,
-  // not with the square of the size. Together they are H = I - Y T Y^T (Schreiber, Van Loan 1989).
+  // Z spans the directions along which no column has a part. Householder reflections H that turn Z
+  // into the first unit vectors change the basis so that its first vectors are not needed: work
+  // grows with the surplus, not with the square of the size. Together they are H = I - Y T Y^T
+  // (Schreiber, Van Loan 1989).
   const Eigen::HouseholderQR<Eigen::MatrixXd> of_s(s);
   Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(s.rows(), s.rows()).rightCols(surplus);
   Z.applyOnTheLeft(of_s.householderQ());

@@ -15,7 +15,8 @@ class SecantBasis {
  public:
   Eigen::Index size() const { return static_cast<Eigen::Index>(q_.size()); }
 
-  /// Make the basis span v too. In one sweep, since reading the basis is what takes the time:
+  /// Make the basis span v too, and project r, in one sweep, since reading the basis takes the
+  /// time:
   /// @param[in]  v      secant
   /// @param[in]  r      any other vector
   /// @param[out] s      coordinates of v, size() of them afterwards
@@ -33,7 +34,7 @@ class SecantBasis {
   /// changing these coordinates.
   /// @param[in,out] s  size() rows
   void shrink(Eigen::MatrixXd& s);
-  /// Let the basis span D v for all v that it spans, D = diag(ratio) > 0.
+  /// Make the basis span D v for all v that it spans, D = diag(ratio) > 0.
   /// @returns T such that the coordinates of D v are T s; upper triangular
   Eigen::MatrixXd rescale(const Eigen::VectorXd& ratio);
   void visit_state(StateVisitor& visitor);

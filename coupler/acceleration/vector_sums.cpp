@@ -21,7 +21,7 @@ struct Combination {
   double* sum;
 };
 
-/// Two sums, so that the columns are read less.
+/// Add to two sums at once, so that the columns are read less often.
 void add_to_two(const Rows& columns, std::ptrdiff_t rows, const Combination& first,
                 const Combination& second) {
   const double *u_factors = first.factors, *v_factors = second.factors;

@@ -11,8 +11,8 @@
 
 namespace gabion {
 
-/// The rows of a check: each trial is run, and what it showed is added. A step without solution in
-/// a trial is a failed row; other errors leave the table.
+/// The rows of a check: each trial is run, and its outcome is added. A step without solution in a
+/// trial is a failed row; other errors leave the table.
 class CheckTable {
  public:
   /// @param report  gets each row as soon as it is known; may be empty

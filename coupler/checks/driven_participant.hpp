@@ -22,20 +22,20 @@ class DrivenParticipant {
   /// Tell a structure that asks for kinds of force that all of them are means of a step: the kind
   /// that needs the force of the step before, which then belongs to the accepted state.
   void tell_force_kinds();
-  /// Tell a soil that asks for it where its interfaces start: not displaced, so that no soil can
-  /// lie inside of them that did not before.
+  /// Tell a soil that asks for it where its interfaces start: not displaced, so that they cannot
+  /// enclose soil that they did not before.
   void tell_start();
-  /// The values are the same in every check, and others at every call.
+  /// Random values: equal in every check, different at every call.
   InterfaceValues random_values();
 
   InterfaceValues solve(const InterfaceValues& values, double part = 1);
-  /// Solve, and compare with an earlier answer to the same.
+  /// Solve, and compare with an earlier answer to these values.
   AnswerDifference again(const InterfaceValues& values, const InterfaceValues& before,
                          double part = 1);
   void compare(const InterfaceValues& before, const InterfaceValues& now,
                AnswerDifference& difference) const;
   void accept(double part = 1);
-  /// A step in which it is not asked.
+  /// Accept a step in which the participant is not asked.
   void skip_step();
   void reject() { solver_.reject_step(); }
   void write_output() { solver_.write_output(time_); }

@@ -17,7 +17,7 @@ namespace {
 constexpr int num_rejecting_steps = 5;
 constexpr double warm_start_tolerance = 1e-8;  // tolerance by the largest value
 
-/// A participant's trials, a row each.
+/// The trials of a participant, a row each.
 class ParticipantCheck {
  public:
   ParticipantCheck(Solver& solver, const CheckSettings& settings)
@@ -188,7 +188,7 @@ class ParticipantCheck {
     }
   }
 
-  /// Some steps with the same values each time they are called at the same time.
+  /// Take some steps, with values that are equal whenever the steps start at the same time.
   /// @returns  the answers
   std::vector<InterfaceValues> steps_from_here() {
     std::vector<InterfaceValues> answers;
@@ -212,7 +212,7 @@ class ParticipantCheck {
     }
   }
 
-  /// A state that was saved a while ago comes back, though another one was saved since.
+  /// Load a state that was saved a while ago, though another one was saved since.
   /// @param after_rejection  the state is saved when a solution has just been rejected
   AnswerDifference try_restart(bool after_rejection) {
     Solver& solver = participant_.solver();

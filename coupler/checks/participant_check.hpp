@@ -9,7 +9,7 @@
 
 namespace gabion {
 
-/// What one trial of a participant showed.
+/// Outcome of one trial of a participant.
 struct CheckRow {
   enum class Outcome {
     passed,
@@ -32,15 +32,14 @@ struct CheckSettings {
 
 /// Drive a participant through what a coupled run may ask of it: the same request twice, another
 /// trial in between, rejected steps, smaller dt, accepted steps, output, a state that is saved and
-/// loaded after other steps, a skipped step. From the same state, that is after reject_step and
+/// loaded after other steps, a skipped step. From one state, that is after reject_step and
 /// accept_step, equal requests must give equal bits; after another trial of the same step, values
 /// that agree to 1e-8 of the largest. The values sent are the same in every check.
 ///
-/// What is legal but mostly a mistake is a notice: an answer that depends neither on the values nor
-/// on dt, or is the same after an accepted step.
+/// Behaviour that is legal but mostly a mistake is a notice: an answer that depends neither on the
+/// values nor on dt, or is the same after an accepted step.
 ///
-/// A participant that is lost during the checks ends the table with a row that says so, and in
-/// which check.
+/// A participant that is lost during the checks ends the table with a row that names the check.
 std::vector<CheckRow> check_participant(Solver& solver, const CheckSettings& settings);
 
 /// No row has failed.

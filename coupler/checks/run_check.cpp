@@ -17,7 +17,7 @@ namespace {
 
 using Solvers = std::map<std::string, std::unique_ptr<Solver>>;
 
-/// Numbers of a summary that say how large a model is, in these words.
+/// Size of a model in words, from the numbers of a summary.
 std::string sizes_text(const Json& summary) {
   std::vector<std::string> words;
   for (const char* key :
@@ -31,7 +31,7 @@ std::string sizes_text(const Json& summary) {
   return words.empty() ? "says nothing of its size" : fmt::format("{}", fmt::join(words, ", "));
 }
 
-/// The interfaces whose sides are both there.
+/// The interfaces of which both participants are there.
 std::vector<InterfaceSettings> shared_interfaces(const CouplerSettings& settings,
                                                  const Solvers& solvers) {
   std::vector<InterfaceSettings> shared;
@@ -48,7 +48,7 @@ std::vector<InterfaceSettings> shared_interfaces(const CouplerSettings& settings
   return shared;
 }
 
-/// Soils look at their start where the structures begin.
+/// Check the start: soils check theirs where the structures begin.
 void check_start(const CouplerSettings& settings, const Solvers& solvers, const InterfaceMap& map) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(map.size());
   for (const ParticipantRole& role : settings.participants) {

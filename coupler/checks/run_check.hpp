@@ -18,8 +18,8 @@ struct RunSize {
 RunSize run_size(const TimeSettings& time, double output_interval);
 
 /// A coupled run up to its first step: wait for these participants, map the surfaces that they
-/// share, say in the log how these fit and how large the run will be, and end the run. The coupler
-/// writes no file.
+/// share, log how these fit and how large the run will be, and end the run. The coupler writes no
+/// file.
 /// @param expected  participants that connect; the surfaces of others are named as not checked
 /// @param run       settings that they get
 /// @throws ConfigError, ProtocolError  as a run would

@@ -18,8 +18,8 @@ namespace gabion {
 std::vector<ProgramEntry> files_read(const Scene& scene, const CouplerSettings& settings,
                                      const std::function<bool(const std::string&)>& is_launched);
 
-/// What has to hold from file to file: interfaces under the same names on both sides, none left
-/// over, one dimension. What a file does wrong by itself is left to the solver that reads it.
+/// Check the files against each other: interfaces under equal names on both sides, none left over,
+/// one dimension. Faults within one file are left to the solver that reads it.
 /// @returns warnings, each with file, JSON pointer, what was found and what is expected
 /// @throws ConfigError  with file, JSON pointer, found and allowed
 std::vector<std::string> check_files(const Scene& scene, const CouplerSettings& settings,
@@ -29,7 +29,7 @@ std::vector<std::string> check_files(const Scene& scene, const CouplerSettings& 
 std::set<std::string> participants_here(const CouplerSettings& settings,
                                         const std::vector<ProgramEntry>& files);
 
-/// Files that no program reads, and participants that have to come from outside.
+/// Warnings of files that no program reads, and of participants that have to come from outside.
 std::vector<std::string> check_attendance(const Scene& scene, const CouplerSettings& settings,
                                           const std::vector<ProgramEntry>& files);
 

@@ -9,8 +9,8 @@
 
 namespace gabion {
 
-/// Tolerances of coupler.json that are below the rounding of positions x = X + u on these surfaces,
-/// 4 eps max|X|.
+/// Warnings of tolerances of coupler.json that are below the rounding of positions x = X + u on
+/// these surfaces, 4 eps max|X|.
 /// @param file    coupler.json, for the messages
 /// @returns       a warning each, with file, JSON pointer, found, and the rounding
 std::vector<std::string> rounding_warnings(const CouplingSettings& coupling,

@@ -47,7 +47,7 @@ FieldLimits read_field_limits(ConfigReader in) {
   return limits;
 }
 
-/// 0 where both are 0: met exactly.
+/// Residual over limit; 0 where both are 0, a limit met exactly.
 double share(double residual, double limit) {
   return residual == 0 ? 0 : residual / limit;
 }
@@ -218,7 +218,8 @@ Verdict Convergence::judge(const ConvergenceState& state) {
                            : *std::min_element(shares.begin(), shares.end());
   if (worst <= 1 && (complete || !all)) return Verdict::converged;
 
-  // The first iteration of the serial scheme knows no force residual: nothing to compare with.
+  // The first iteration of the serial scheme has no force residual, so there is nothing to compare
+  // with.
   const bool first_complete = complete && !std::exchange(complete_before_, complete);
   if (checks_ == 1 || worst < smallest_ || (first_complete && worst > smallest_)) {
     smallest_ = worst;

@@ -26,7 +26,7 @@ class InterfaceLayout {
   const std::string& participant() const { return participant_; }
   /// This participant's share of a vector.
   InterfaceValues values_in(const Eigen::VectorXd& all) const;
-  /// Put what this participant sent in its place; the rest of the vector stays.
+  /// Put the values that this participant sent in their place; the rest of the vector stays.
   /// @throws Error  an interface is missing or has another number of values
   void put(const InterfaceValues& sent, Eigen::VectorXd& all) const;
   /// Set all entries of one interface of this participant.

@@ -47,7 +47,7 @@ void check_all_coupled(const std::vector<InterfaceSettings>& interfaces, const M
   }
 }
 
-/// The part of a vector over all interfaces that belongs to the one with this mesh.
+/// The part of a vector over all interfaces that belongs to the interface with this mesh.
 std::span<const double> part(const Eigen::VectorXd& all, Eigen::Index begin,
                              const InterfaceMesh& mesh) {
   return {all.data() + begin, mesh.coordinates.size()};
@@ -137,7 +137,7 @@ InterfaceMap::InterfaceMap(const std::vector<InterfaceSettings>& interfaces, con
   place_soils();
 }
 
-/// Soil by soil, and the interfaces of each by name.
+/// Place the interfaces soil by soil, those of a soil by name.
 void InterfaceMap::place_soils() {
   std::map<std::pair<std::string, std::string>, Interface*> ordered;
   for (Interface& interface : interfaces_) {
@@ -215,7 +215,7 @@ void InterfaceMap::set_up(Interface& interface) const {
     structure.coordinates[i] += interface.x_b(i);
   }
   for (Eigen::Index i = 0; i < interface.u_b.size(); ++i) soil.coordinates[i] += interface.u_b(i);
-  soil.vertices_per_facet = 0;  // which side is which was checked in the reference configuration
+  soil.vertices_per_facet = 0;  // orientations were checked in the reference configuration
   soil.facets.clear();
   interface.mapping = Mapping(structure, soil, settings_);
 }

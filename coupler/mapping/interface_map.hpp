@@ -63,9 +63,9 @@ class InterfaceMap {
   std::vector<Resultant> structure_resultants(const Eigen::VectorXd& x,
                                               const Eigen::VectorXd& f) const;
 
-  /// x was accepted. With positions "deformed": set up again the maps of the interfaces that have a
-  /// vertex which has moved by more than the share `moved` of the structure's extent since the last
-  /// set-up.
+  /// Note that x was accepted. With positions "deformed", set up anew the map of each interface of
+  /// which a vertex has moved by more than the share `moved` of the structure's extent since the
+  /// last set-up.
   void accept(const Eigen::VectorXd& x);
   /// Save or load where the maps were set up.
   void visit_state(StateVisitor& visitor);

@@ -43,7 +43,7 @@ void check_normals(const Surface& structure, const Surface& soil, const Interfac
   }
 }
 
-/// A row of weights an image.
+/// Rows of weights, one for each image.
 WeightRows interpolation(const std::vector<SurfacePoint>& images, std::int64_t num_columns) {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t v = 0; v < images.size(); ++v) {

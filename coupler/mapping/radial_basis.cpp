@@ -21,7 +21,7 @@ constexpr double flat_share = 1e-3;
 // A vertex within this share of a cluster's radius needs no cluster of its own.
 constexpr double covered_share = 0.5;
 
-/// One interpolant and where it counts.
+/// One interpolant, with the region in which it counts.
 class Cluster {
  public:
   Cluster(const Surface& from, const Vector3d& centre, const RadialBasisSettings& settings)

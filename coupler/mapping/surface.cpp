@@ -39,7 +39,7 @@ void check_shape(const InterfaceMesh& mesh) {
 }  // namespace
 
 struct Surface::Trees {
-  /// Points as nanoflann wants to see them.
+  /// Adaptor of points for nanoflann.
   struct Cloud {
     std::vector<Vector3> points;
     std::size_t kdtree_get_point_count() const { return points.size(); }
@@ -52,7 +52,8 @@ struct Surface::Trees {
     }
   };
 
-  /// Takes in what a search finds within a distance: what every version of nanoflann asks for.
+  /// Collects the points that a search finds within a distance, with the functions that every
+  /// version of nanoflann needs.
   struct Near {
     using DistanceType = double;
     using IndexType = std::size_t;
@@ -189,8 +190,8 @@ SurfacePoint Surface::closest_on_facet(const Vector3& p, std::int64_t facet) con
 }
 
 SurfacePoint Surface::nearest_on_facets(const Vector3& p, const Vector3& preferred) const {
-  // Centroids are points of the surface, so the nearest one bounds the distance; the facet that is
-  // looked for has its centroid within that bound plus the size of a facet.
+  // Centroids are points of the surface, so the nearest one bounds the distance; the nearest facet
+  // has its centroid within that bound plus the size of a facet.
   std::size_t index = 0;
   double squared = 0;
   trees_->centroid_tree->knnSearch(p.data(), 1, &index, &squared);

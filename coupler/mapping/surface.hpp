@@ -44,8 +44,8 @@ class Surface {
   std::vector<std::int64_t> nearest_vertices(const Eigen::Vector3d& p, int count) const;
   /// Vertices closer to p than `radius` [m], ascending.
   std::vector<std::int64_t> vertices_within(const Eigen::Vector3d& p, double radius) const;
-  /// Exact over all facets. @param preferred  among facets equally far away, the one whose normal
-  /// agrees best with this direction; zero = any
+  /// Closest place, exact over all facets. @param preferred  among facets equally far away, the one
+  /// whose normal agrees best with this direction; zero = any
   SurfacePoint nearest_on_facets(const Eigen::Vector3d& p,
                                  const Eigen::Vector3d& preferred = Eigen::Vector3d::Zero()) const;
 

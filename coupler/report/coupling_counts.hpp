@@ -9,8 +9,8 @@
 
 namespace gabion {
 
-/// What a step without contact does not need: the acceleration, and the solution of a structure at
-/// rest.
+/// Part of a step that is skipped without contact: the acceleration, and the solution of a
+/// structure at rest.
 enum class Skipped { nothing, acceleration, structure };
 std::string name(Skipped skipped);
 
@@ -27,9 +27,10 @@ struct CouplingCounts {
   std::int64_t accepted_unconverged = 0;
   std::int64_t history_resets =
       0;  ///< of quasi-Newton columns: contact had changed, or dt had fallen
-  std::int64_t filter_fallbacks = 0;  ///< to the default filter, because the chosen one led nowhere
-  std::int64_t started_early = 0;     ///< steps that soils were asked for before they had accepted
-  std::int64_t called_off = 0;        ///< steps among these that came otherwise
+  std::int64_t filter_fallbacks = 0;  ///< to the default filter, because the chosen one made no
+                                      ///< progress
+  std::int64_t started_early = 0;     ///< steps that soils began before they had accepted the last
+  std::int64_t called_off = 0;        ///< steps among these that were then asked for differently
 
   void add_step(int iterations, Skipped skipped) {
     ++steps;

@@ -14,7 +14,7 @@
 
 namespace gabion {
 
-/// All that one coupling iteration leaves for the log.
+/// Results of one coupling iteration for iterations.csv.
 struct IterationRow {
   StepRequest request = {};
   ConvergenceState state = {};
@@ -28,7 +28,7 @@ struct IterationRow {
   double wall_seconds = 0;
 };
 
-/// All that one accepted step leaves for the log.
+/// Results of one accepted step for steps.csv.
 struct StepRow {
   IterationRow last = {};
   double time = 0;          ///< [s] of the accepted state

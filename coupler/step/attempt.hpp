@@ -12,17 +12,17 @@ namespace gabion {
 enum class Outcome {
   iterating,
   converged,    ///< the residuals are within their limits
-  one_pass,     ///< the explicit scheme asks for no residual
+  one_pass,     ///< the explicit scheme has no residual
   no_contact,   ///< no soil can push: one pass is exact
-  unconverged,  ///< the verdict says why; accepted all the same, as "on_limit" asks
+  unconverged,  ///< the verdict says why; accepted all the same, by "on_limit"
   failed,       ///< the verdict says why; the step cannot be accepted
   unsolved      ///< a solver could not solve its side; the step cannot be accepted
 };
 
 /// One try to solve a step: the values of its last iteration, named as in docs/theory/coupling.md,
-/// and what became of it.
+/// and its outcome.
 struct Attempt {
-  StepRequest request = {};      ///< of the iteration under way, or of the last one
+  StepRequest request = {};      ///< of the current iteration, or of the last one
   Eigen::VectorXd x = {};        ///< [m] displacement of the structures' wet surfaces, as guessed
   Eigen::VectorXd u = {};        ///< [m] H x, given to the soils
   Eigen::VectorXd f_soil = {};   ///< [N] answered by the soils

@@ -14,7 +14,7 @@ class ContactWatch {
  public:
   /// @param reports  of all soils, from the first iteration of a step
   bool changed(const std::vector<StepReport>& reports) const;
-  /// The step with these reports was accepted.
+  /// Note that the step with these reports was accepted.
   void accept(const std::vector<StepReport>& reports);
   void visit_state(StateVisitor& visitor);
 

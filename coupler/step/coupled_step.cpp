@@ -15,7 +15,7 @@ std::string number_or(const std::optional<double>& value, const std::string& tex
   return value ? fmt::format("{:.3g}", *value) : text;
 }
 
-/// Why a step has ended without convergence.
+/// Reason why a step has ended without convergence.
 std::string failure_text(const Attempt& now) {
   const ConvergenceState& state = now.row.state;
   std::string text = fmt::format(
@@ -53,7 +53,7 @@ Attempt CoupledStep::solve(const StepRequest& request) {
   }
 }
 
-/// The method.
+/// The coupling iterations of one step.
 Attempt CoupledStep::iterate(const StepRequest& request) {
   Attempt now = begin(request);
   for (;; ++now.request.iteration) {
@@ -84,8 +84,8 @@ Attempt CoupledStep::predict(const StepRequest& request) const {
   return now;
 }
 
-/// No residual is needed: the scheme is explicit, or without contact the force is the same for
-/// every x.
+/// Accept one pass without a residual: the scheme is explicit, or without contact the force does
+/// not depend on x.
 void CoupledStep::accept_one_pass(bool contact, Attempt& now) {
   now.outcome = contact ? Outcome::one_pass : Outcome::no_contact;
   if (!contact) {
@@ -104,7 +104,7 @@ void CoupledStep::measure(Attempt& now) {
   ConvergenceState& state = now.row.state;
   state = scheme_->check(convergence_, now);
   if (state.verdict == Verdict::converged && !sides_.all_structures_solved()) {
-    // The residual of a structure that sleeps is zero, whatever the soil answers.
+    // The residual of a structure that was skipped is zero, whatever the soil answers.
     state.verdict = Verdict::going_on;
   }
   if (state.verdict != Verdict::converged) warn_of_round_off(state);
@@ -130,7 +130,8 @@ void CoupledStep::end_unconverged(Attempt& now) {
 }
 
 void CoupledStep::forget_if_misleading(double dt) {
-  constexpr double smallest_share = 0.5;  // of dt: at less, a structure yields less than a quarter
+  constexpr double smallest_share = 0.5;  // of dt: below it, a structure moves less than a quarter
+                                          // as far
   const bool much_smaller = dt < smallest_share * columns_dt_ * (1 - 1e-9);
   if (!contact_.changed(sides_.soil_reports()) && !much_smaller) return;
   forgotten_columns_ = acceleration_->reset();

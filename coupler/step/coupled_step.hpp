@@ -19,8 +19,8 @@
 
 namespace gabion {
 
-/// The coupling of both sides within one step (docs/theory/coupling.md), and what it learns from
-/// step to step.
+/// The coupling of both sides within one step (docs/theory/coupling.md), with its memory from step
+/// to step.
 ///
 ///     (solve, reject)*, solve, accept, (start_next, settle_next)?
 class CoupledStep {
@@ -30,20 +30,20 @@ class CoupledStep {
   CoupledStep(const CouplingSettings& settings, Sides& sides, CouplingRecord& record,
               CouplingCounts& counts, PhaseTimes& phases);
 
-  /// Iterate until both sides agree, or it is clear that they will not. A step that a solver cannot
-  /// solve is an attempt that failed.
+  /// Iterate until both sides agree, or it is clear that they will not. If a solver cannot solve
+  /// the step, the attempt has failed.
   Attempt solve(const StepRequest& request);
-  /// The sides accept this attempt. @param time  [s] at the end of the step
+  /// Note that the sides accept this attempt. @param time  [s] at the end of the step
   void accept(const Attempt& done, double time);
   void reject() { acceleration_->discard_step(); }
-  /// Start the soils on the next step, which is likely to be this one, while they still accept the
-  /// last. Call it after accept. @pre  sides.take_next_step()
+  /// Start the soils on the next step, probably this request, while they still accept the last one.
+  /// Call it after accept. @pre sides.take_next_step()
   /// @param proposed  range of proposed step sizes for which this request stays valid
   void start_next(const StepRequest& request, const DtRange& proposed);
   /// Keep or call off the early solution of the next step, once the sides have accepted.
   /// @param request  the next step as it is
   void settle_next(const StepRequest& request);
-  /// No request is open then.
+  /// Call off the early solution of the next step; no request is open afterwards.
   void call_off_next();
   /// Start at time 0 without displacement and force.
   void start_at_rest();
@@ -60,7 +60,8 @@ class CoupledStep {
   void measure(Attempt& now);
   void end_unconverged(Attempt& now);
   /// Columns of earlier steps are dropped when the contact has changed, and when dt is less than
-  /// half of theirs: a structure with inertia yields with dt^2, so they would promise too much.
+  /// half of theirs: the displacement of a structure with inertia is proportional to dt^2, so these
+  /// columns would be too large.
   void forget_if_misleading(double dt);
   void warn_of_round_off(const ConvergenceState& state);
   void log_iteration(Attempt& now, const Stopwatch& watch);

@@ -7,7 +7,7 @@ namespace gabion {
 
 namespace {
 
-/// Soil, then structure with its force: x -> f -> x_tilde.
+/// The soil first, then the structure with its force: x -> f -> x_tilde.
 class SerialImplicit : public CouplingScheme {
  public:
   bool solve(Sides& sides, Attempt& now) const override {
@@ -33,7 +33,7 @@ class Explicit final : public SerialImplicit {
   bool repeats() const override { return false; }
 };
 
-/// Both at once: [x; f_given] -> [x_tilde; f].
+/// Both sides at once: [x; f_given] -> [x_tilde; f].
 class ParallelImplicit final : public CouplingScheme {
  public:
   bool solve(Sides& sides, Attempt& now) const override {

@@ -17,12 +17,12 @@ class CouplingScheme {
  public:
   virtual ~CouplingScheme() = default;
 
-  /// Ask both sides once: fills `now` from u to x_tilde. Structures at rest without load may sleep
-  /// while there is no contact.
+  /// Ask both sides once: fills `now` from u to x_tilde. Structures at rest without load may be
+  /// skipped while there is no contact.
   /// @returns whether the soils may answer another force to another x
   /// @throws ConvergenceError  a solver could not solve
   virtual bool solve(Sides& sides, Attempt& now) const = 0;
-  /// Residuals of `now`, and what they mean for the step.
+  /// Residuals of `now`, and the verdict on the step.
   virtual ConvergenceState check(Convergence& convergence, const Attempt& now) const = 0;
   /// Whether the step is repeated until both sides agree.
   virtual bool repeats() const { return true; }

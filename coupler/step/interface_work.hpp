@@ -13,9 +13,9 @@ namespace gabion {
 ///     W = 1/2 (f_n + f_n+1) . (u_n+1 - u_n)    forces at the end of the step: trapezoidal rule
 ///     W = f_n+1 . (u_n+1 - u_n)                mean forces of the step
 ///
-/// Newmark's rule with beta = 1/4 turns exactly this into the energy of a linear side; the sum over
-/// both sides vanishes when their displacements agree and the forces are mapped conservatively. The
-/// values before the first step are f = 0 and u = 0, or where the run begins.
+/// With Newmark's rule, beta = 1/4, this is exactly the change of energy of a linear side; the sum
+/// over both sides vanishes when their displacements agree and the forces are mapped
+/// conservatively. The values before the first step are f = 0 and u = 0, or where the run begins.
 class InterfaceWork {
  public:
   /// @param start_weight  of each f_n: 1/2, or 0 of a mean force

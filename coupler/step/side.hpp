@@ -33,7 +33,7 @@ class Side {
   /// @param[in,out] answer  of all interfaces of this side: this participant's share is set
   /// @throws ConvergenceError  the solver could not solve; no request is open then
   void finish_solve(Eigen::VectorXd& answer);
-  /// The solver is not asked in this iteration.
+  /// Skip the solver in this iteration.
   void skip();
   /// Begin to accept, and return at once when the solver is in another process.
   void start_accept(const StepRequest& request);
@@ -43,13 +43,13 @@ class Side {
   void reject();
 
   bool takes_next_step() const;
-  /// Start the solution of the next step, see start_solve; the solver does not solve it when it
-  /// proposes another step size than these. Call it between start_accept and finish_accept.
+  /// Start the solution of the next step, see start_solve; the solver drops it when it proposes
+  /// another step size than these. Call it between start_accept and finish_accept.
   void start_next(const StepRequest& request, const Eigen::VectorXd& given,
                   const DtRange& proposed);
   /// Whether the solver solves the next step; known after finish_accept.
   bool solves_next() const { return solves_next_; }
-  /// No request is open then.
+  /// Call off the solution of the next step; no request is open afterwards.
   void call_off_next();
 
   const StepReport& report() const { return report_; }  ///< report of the last solution
@@ -86,7 +86,8 @@ class Side {
   bool solves_next_ = false;
   Json accepted_details_ = Json::object();
   std::int64_t linear_iterations_ = 0;
-  double call_seconds_ = 0;  // time waited in all calls since the step began, rejected tries too
+  double call_seconds_ = 0;  // time waited in all calls since the start of the step, rejected tries
+                             // too
   double busy_seconds_ = 0;  // time the solver computed, also while nobody waited
 };
 

@@ -263,7 +263,8 @@ void Sides::reject() {
   for (Side* side : all()) side->reject();
 }
 
-/// A foreign code does not read the scene, so its surface may be another one than it was.
+/// Save the surfaces, or compare them: a foreign code does not read the scene, so its surface may
+/// have changed.
 void Sides::visit_surfaces(StateVisitor& visitor) const {
   Json saved = surfaces_;
   visitor.fact("surfaces", saved);

@@ -8,7 +8,8 @@
 
 namespace gabion {
 
-/// Put the displacements with which a structure begins in their place; others stay.
+/// Put the displacements with which a structure begins in their place in a vector; other entries
+/// stay.
 void put_start(const Solver& structure, const InterfaceLayout& layout, Eigen::VectorXd& x);
 
 /// Tell a soil where its interfaces begin, if any of them begins displaced. Warns of one that does

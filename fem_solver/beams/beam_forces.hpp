@@ -8,7 +8,7 @@
 
 namespace gabion::fem {
 
-/// What a beam is made of, along its axes 1 (from its first node to its second), 2 and 3.
+/// Stiffness of a beam's section, on its axes 1 (from the first node to the second), 2 and 3.
 struct BeamStiffness {
   Triple<double> force;   ///< E A, G A_2, G A_3 [N]
   Triple<double> moment;  ///< G J, E I_2, E I_3 [N m^2]
@@ -26,22 +26,22 @@ struct StraightFrame {
   double length = 0;                ///< [m]
 };
 
-/// Resultants of a section in the middle of a beam, on its own axes: on the part of the first node
-/// from that of the second.
+/// Resultants of the section in the middle of a beam, on its own axes: action of the part of the
+/// second node on that of the first.
 template <class S>
 struct SectionResultants {
   Triple<S> force;   ///< N, V_2, V_3 [N]
   Triple<S> moment;  ///< T, M_2, M_3 [N m]
 };
 
-/// What a section answers to the strain and curvatures of its axis.
+/// Resultants and energy of a section for the strain and curvatures of its axis.
 template <class S>
 struct SectionAnswer {
   SectionResultants<S> forces;
   S energy;  ///< per length [J/m]
 };
 
-/// Forces and moments of a beam in space on its nodes, and what they come from.
+/// Forces and moments of a beam in space on its nodes, with its section resultants and energy.
 template <class S>
 struct BeamForces {
   Triple<S> n;         ///< on node 2; on node 1 the opposite [N]
@@ -103,7 +103,7 @@ BeamForces<S> beam_forces(const StraightBeam& beam, const Triple<S>& chord, cons
   return result;
 }
 
-/// The same in the plane: moments and rotations about the third axis.
+/// Forces and moments of a beam in the plane, where moments and rotations are about the third axis.
 template <class S>
 struct FrameForces {
   std::array<S, 2> n;  ///< on node 2 [N]

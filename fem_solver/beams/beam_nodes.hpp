@@ -8,8 +8,8 @@
 
 namespace gabion::fem {
 
-/// Nodes behind those of places, whose unknowns are rotations times a length [m], so that their
-/// forces, moments over that length, are in newtons.
+/// Nodes of rotations, behind those of places. Their unknowns are rotations times a length [m], so
+/// that their forces, moments over that length, are in newtons.
 struct BeamNodes {
   std::span<const std::int32_t> rotation_nodes;  ///< of each place, -1: none; empty: no beams
   double length = 1;                             ///< [m]
@@ -19,7 +19,7 @@ struct BeamNodes {
   std::int32_t of(std::int32_t place) const { return any() ? rotation_nodes[place] : -1; }
 };
 
-/// Moment that nodal forces have at a node of rotations [N m].
+/// Moment that nodal forces exert at a node of rotations [N m].
 template <int dim>
 Vector<3> moment_of(std::span<const double> f, std::int32_t rotation_node, double length) {
   const double* own = f.data() + static_cast<std::size_t>(rotation_node) * dim;

@@ -14,7 +14,7 @@ namespace gabion::fem {
 
 namespace {
 
-/// Inside a circle.
+/// Corners of an octagon inside a circle [m].
 std::vector<Vector<2>> octagon(double radius) {
   std::vector<Vector<2>> corners;
   for (int k = 0; k < 8; ++k) {

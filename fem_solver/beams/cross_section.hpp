@@ -22,7 +22,7 @@ struct CrossSection {
   std::vector<Vector<2>> outline = {};
   std::vector<Fibre> fibres = {};  ///< of a section that yields; empty: no shape
 
-  /// Alike in all directions.
+  /// Whether the section is alike in all directions.
   bool is_round() const;
   CrossSection over(double spacing) const;
 };
@@ -34,7 +34,7 @@ CrossSection rectangle_section(double height, double width, double poisson_ratio
 /// @param inner  diameter [m], 0: solid
 CrossSection ring_section(double diameter, double inner, double poisson_ratio);
 
-/// What a line cell needs to be a beam.
+/// Data of a line cell that is a beam.
 struct BeamData {
   CrossSection section;
   double shear_modulus = 0;                   ///< [Pa]

@@ -41,7 +41,7 @@ std::vector<Fibre> rectangle_fibres(double height, double width, int dim) {
 }
 
 std::vector<Fibre> ring_fibres(double diameter, double inner) {
-  // Over the square of the radius, dA = d(r^2) / 2 d(angle).
+  // The points are spaced evenly over the square of the radius: dA = d(r^2) / 2 d(angle).
   const auto squares =
       points_between(inner * inner / 4, diameter * diameter / 4, inner > 0 ? 1 : rings_of_solid);
   constexpr double sector = 2 * std::numbers::pi / sectors;

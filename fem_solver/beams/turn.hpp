@@ -110,7 +110,7 @@ struct Turn {
   Triple<S> v = {};
 };
 
-/// First b, then a.
+/// The rotation b followed by a.
 template <class S>
 Turn<S> operator*(const Turn<S>& a, const Turn<S>& b) {
   return {a.w * b.w - dot(a.v, b.v), a.w * b.v + b.w * a.v + cross(a.v, b.v)};

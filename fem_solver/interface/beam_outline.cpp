@@ -17,9 +17,9 @@ namespace gabion::fem {
 namespace {
 
 constexpr double least_cosine = 0.5;  // between sections of neighbours, whose mean a node has
-constexpr double least_turned_cosine = 0.9;  // the same about the beam, without its bend
+constexpr double least_turned_cosine = 0.9;  // about the beam, without its bend
 
-/// Beams at a node: that which ends there and that which begins.
+/// Beams at a node: the one that ends there and the one that begins there.
 struct Joint {
   std::int32_t before = -1, after = -1;
 };
@@ -81,8 +81,8 @@ Matrix<3> axes_of(const FemSettings<dim>& s, const LineMaterial& material, std::
   return beam_axes(*material.beam, chord, material.where);
 }
 
-/// Axes 2 and 3 of the section at a node: the mean of the beams there, as long as keeps the sides
-/// of these where they are.
+/// Axes 2 and 3 of the section at a node: the mean of those of the beams there, of such length that
+/// the sides of the beams stay in place.
 template <int dim>
 std::array<Vector<3>, 2> section_at(const FemSettings<dim>& s, const LineMaterial& material,
                                     std::int32_t node, const Joint& joint,
@@ -92,7 +92,7 @@ std::array<Vector<3>, 2> section_at(const FemSettings<dim>& s, const LineMateria
   std::array<Vector<3>, 2> axes = {own.col(1), own.col(2)};
   if (joint.before < 0 || joint.after < 0) return axes;
   const Matrix<3> other = axes_of(s, material, joint.after);
-  if (dim == 3) {  // axes that a beam chose for itself may jump from one to the next
+  if (dim == 3) {  // axes chosen by default may jump from one beam to the next
     const auto bend = Eigen::Quaterniond::FromTwoVectors(own.col(0), other.col(0));
     require<ConfigError>(
         (bend * own.col(1)).dot(other.col(1)) > least_turned_cosine,

@@ -17,7 +17,7 @@ struct BeamOutline {
   std::vector<std::int64_t> facets;  ///< vertices, 2 or 4 a facet, normals outward
 };
 
-/// Outline of the beams of some groups; those of one group hang together or not.
+/// Outline of the beams of some groups, whether those of a group are connected or not.
 /// @throws ConfigError  see BeamSurfaces
 template <int dim>
 BeamOutline<dim> beam_outline(const FemSettings<dim>& settings,

@@ -20,7 +20,7 @@ std::vector<Matrix<dim>> beam_turns(const FemSettings<dim>& settings,
                                     const CellIntegrals<dim>& cells, std::span<const double> u,
                                     std::span<const double> history);
 
-/// Turn on with the spins of a motion.
+/// Continue the rotations with the spins of a motion.
 /// @param v  of all nodes
 template <int dim>
 void turn_on(const FemSettings<dim>& settings, std::span<const double> v, double time,

@@ -14,8 +14,7 @@ namespace gabion::fem {
 
 namespace {
 
-/// Facets of an interface, group by group, by the numbers of the nodes in the whole mesh: on one
-/// rank.
+/// Facets of an interface on one rank, group by group, as numbers of nodes in the whole mesh.
 template <int dim>
 std::vector<std::int64_t> facets_of(const Mesh<dim>& mesh, const WetSurfaceSettings& interface) {
   std::vector<std::int64_t> facets;
@@ -26,7 +25,7 @@ std::vector<std::int64_t> facets_of(const Mesh<dim>& mesh, const WetSurfaceSetti
   return facets;
 }
 
-/// The same on all ranks: each gives its facets, with group and place in it.
+/// Facets of an interface on all ranks: each gives its own, with group and place in it.
 template <int dim>
 std::vector<std::int64_t> gather_facets(const Mesh<dim>& mesh, const MeshRanks& ranks,
                                         const WetSurfaceSettings& interface) {
@@ -52,8 +51,8 @@ std::vector<std::int64_t> gather_facets(const Mesh<dim>& mesh, const MeshRanks& 
   return facets;
 }
 
-/// Linear facets on all nodes of quadratic ones: the forces and displacements of the vertices are
-/// those of the nodes, so work is the same on both sides. Linear facets stay.
+/// Split quadratic facets into linear ones on all of their nodes: the forces and displacements of
+/// the vertices are those of the nodes, so work is the same on both sides. Linear facets stay.
 std::vector<std::int64_t> split_facets(std::span<const std::int64_t> facets, CellType type) {
   const auto parts = linear_parts(type);
   std::vector<std::int64_t> result;

@@ -7,8 +7,8 @@
 namespace gabion::fem {
 
 /// Energy dissipator in line with a rope: it runs out under a force that depends on how far it has
-/// run, and never back. Rows of run and force, linear between rows, the last force held, up to a
-/// run at which it stops for good.
+/// run, and never back. The force is given by rows of run and force, linear between them and
+/// constant after the last, up to a limit of the run.
 class Brake {
  public:
   /// The run at which rope and brake are in balance, and the slope of the force over the stretch of
@@ -26,7 +26,7 @@ class Brake {
   double force(double run) const;  ///< [N]
   /// Integral of the force from run 0 on [J].
   double work(double run) const;
-  /// k (stretch - run') = force(run') with run' >= run, or run' = run where the force is not
+  /// Solve k (stretch - run') = force(run') with run' >= run; run' = run where the force is not
   /// reached.
   /// @param stretch    of rope and brake from the stress-free length [m]
   /// @param stiffness  k of the rope [N/m], more than the steepest fall of the force

@@ -44,7 +44,7 @@ struct CellMaterial {
   FailureLimits failure;
 };
 
-/// Number of values that the law keeps of a point.
+/// Number of values that the law remembers of a point.
 template <int dim>
 int history_size(const CellLaw<dim>& law) {
   return std::visit(
@@ -57,7 +57,7 @@ int history_size(const CellLaw<dim>& law) {
 
 /// Keys of the material of all cells.
 KeyTable cell_material_keys();
-/// The same of the cells of a group.
+/// Keys of the material of a group of cells.
 KeyTable group_material_keys();
 
 /// Read what cell_material_keys() or, with a group, group_material_keys() list.

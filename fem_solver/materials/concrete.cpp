@@ -112,7 +112,7 @@ struct Part {
   bool grows = false;
 };
 
-/// What a part does in a step.
+/// Data of a part in a step.
 struct Growth {
   double limit = 0;       // of elasticity [Pa]
   double equivalent = 0;  // stress [Pa]
@@ -120,7 +120,7 @@ struct Growth {
   double new_band = 0;    // that it gets where it has none [m]
 };
 
-/// What the point remembers of a part.
+/// Memory of the point for a part.
 struct Memory {
   double& r;
   double& band;
@@ -128,7 +128,7 @@ struct Memory {
 };
 
 /// Raise r to the equivalent stress where that is larger, with the band that it has or now gets,
-/// and add what the damage takes, on a way in proportion to r.
+/// and add the energy that the damage takes, on a path in proportion to r.
 template <class Curve>
 Part grow(const Curve& curve, const Growth& growth, Memory memory) {
   Part part;

@@ -32,7 +32,7 @@ struct Concrete {
   TensionCurve tension;
   CrushingCurve crushing;
   double biaxial_ratio = 1.16;  ///< strength in equal biaxial over that in uniaxial compression
-  /// Bands of cracks are no wider than cracks are apart [m].
+  /// Distance of cracks, which bounds the width of their bands [m].
   double crack_spacing = std::numeric_limits<double>::infinity();
   std::string where_fracture;  ///< place of the fracture energy in the config, for errors
   std::string where_crushing;  ///< of the crushing energy
@@ -48,7 +48,7 @@ struct Concrete {
   static double damage_work(std::span<const double> history) { return history[5]; }  ///< [J/m^3]
 };
 
-/// The law in a cell, whose bands its cracks have. Refers to both.
+/// The law in a cell, with the widths of the cell's bands. Refers to both.
 template <int dim>
 struct ConcreteOfCell {
   static constexpr int history_size = Concrete<dim>::history_size;

@@ -12,7 +12,7 @@ template <int dim>
 void log_stress(const NeoHookean<dim>& law, const Symmetric<dim>& E, LogStress<dim>& out);
 template <int dim>
 void log_stress(const HenckyElastic<dim>& law, const Symmetric<dim>& E, LogStress<dim>& out);
-/// The same for small strain, where E is the symmetric part of H.
+/// Stress of the law of small strain, where E is the symmetric part of H.
 template <int dim>
 void log_stress(const LinearElastic<dim>& law, const Symmetric<dim>& E, LogStress<dim>& out);
 

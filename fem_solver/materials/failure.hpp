@@ -9,8 +9,8 @@
 
 namespace gabion::fem {
 
-/// Limits beyond which a cell or line of a material fails; each alone suffices, without any it
-/// never does.
+/// Limits beyond which a cell or line of a material fails; each suffices alone; without any the
+/// material never fails.
 struct FailureLimits {
   std::optional<double> plastic_strain;  ///< the largest of a point, of a beam of a fibre
   std::optional<double> force;        ///< tension of a line [N]
@@ -23,7 +23,7 @@ struct FailureLimits {
 /// What made a cell or line fail.
 enum class FailureReason { none, plastic_strain, force, strain };
 
-/// Words of a reason, with its unit.
+/// A reason in words, with value, limit and unit.
 std::string describe(FailureReason reason, double value, double limit);
 
 /// Keys of all limits, each of the laws that have it. @param lines  those of lines, too

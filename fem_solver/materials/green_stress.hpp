@@ -46,7 +46,7 @@ Matrix<dim> strain_tensor(const StrainVector<dim>& v) {
   return s;
 }
 
-/// Answer of a law to the Green strain E = (C - 1) / 2.
+/// Response of a law to the Green strain E = (C - 1) / 2.
 template <int dim>
 struct GreenStress {
   StrainVector<dim> S;  ///< second Piola-Kirchhoff stress [Pa]

@@ -153,7 +153,7 @@ double read_length_ratio(ConfigReader& in, double stiffness) {
   return 1 / (1 + strain);
 }
 
-// The strain at the start may not make a bar yield: what it took would be known to nobody.
+// Refuse a strain at the start that makes a bar yield: its plastic work would be unknown.
 void check_elastic_start(const ConfigReader& in, const LineMaterial& bar) {
   const double limit = bar.hardening->yield_stress(0);
   const double stress = bar.young_modulus * (1 / bar.length_ratio - 1);

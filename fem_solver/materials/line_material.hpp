@@ -39,7 +39,7 @@ struct LineMaterial {
   std::size_t history_size() const { return brake ? 1 : hardening ? 2 : 0; }
 };
 
-/// What a line cell answers to its length.
+/// Response of a line cell to its length.
 struct LineResponse {
   double force = 0;   ///< along the line, tension positive [N]
   double slope = 0;   ///< d force / d length [N/m]
@@ -48,12 +48,12 @@ struct LineResponse {
 };
 
 /// Force over elongation: elastic with the engineering strain, so that the force follows from an
-/// energy of the length alone; what a brake has run is taken off the elongation.
+/// energy of the length alone; the run of a brake is subtracted from the elongation.
 /// @param run  of the brake in the accepted state [m]
 LineResponse respond(const LineMaterial& material, double stress_free_length, double length,
                      double run);
 
-/// The same of a line of any law.
+/// Response of a line of any law.
 /// @param history_n  accepted, history_size()
 /// @param history    at the end of the step
 LineResponse respond(const LineMaterial& material, double stress_free_length, double length,

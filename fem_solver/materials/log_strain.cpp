@@ -40,8 +40,8 @@ StrainMatrix<dim> turned(const Matrix<dim>& N) {
   return R;
 }
 
-/// What the turning of the axes adds to dS/dE, on the axes:
-/// dS_ab = 4 sum_c f2(a, c, b) (T_ac dE_cb + dE_ac T_cb).
+/// Contribution of the rotation of the axes to dS/dE, on the axes: dS_ab = 4 sum_c f2(a, c, b)
+/// (T_ac dE_cb + dE_ac T_cb).
 template <int dim>
 void add_curvature(const std::array<double, dim>& x, const Matrix<dim>& T, StrainMatrix<dim>& D) {
   const auto add = [&](int a, int b, int c, double f2) {

@@ -18,7 +18,7 @@ struct LogStrain {
   Matrix<dim> N;                      ///< its axes, as columns
 };
 
-/// Answer of a law to E.
+/// Response of a law to E.
 template <int dim>
 struct LogStress {
   Symmetric<dim> T;     ///< dual to E [Pa]
@@ -30,7 +30,7 @@ struct LogStress {
 /// @returns        false when C is not positive definite
 template <int dim>
 bool find_log_strain(const Matrix<dim>& twice_E, LogStrain<dim>& out);
-/// The same from E itself.
+/// The logarithmic strain from E itself.
 template <int dim>
 LogStrain<dim> log_strain_of(const Symmetric<dim>& E);
 

@@ -3,8 +3,8 @@
 
 namespace gabion::fem {
 
-/// State of a bar of E = `modulus` that was stretched or shortened, evenly, to the strain r / E:
-/// the stress s on the curve of the material, and what was done per volume.
+/// Point on the curve of a material: a bar of E = `modulus` is stretched or shortened evenly to the
+/// strain r / E, has the stress s, and took some work per volume.
 struct CurvePoint {
   double stress = 0;  ///< [Pa]
   double slope = 0;   ///< ds / dr
@@ -46,7 +46,7 @@ struct CrushingCurve {
   CurvePoint at(double r, double width) const;
 };
 
-/// What the point of a curve means. Damage ends at largest_damage.
+/// Damage at the point of a curve; it ends at largest_damage.
 /// @pre r > 0
 Damage damage_at(const CurvePoint& point, double r, double modulus);
 

@@ -10,11 +10,11 @@
 
 namespace gabion::fem {
 
-/// What the steps are solved in: the unknowns, or the fewer coordinates of a reduction. Refers to
-/// the model of the unknowns.
+/// The coordinates in which steps are solved: the unknowns, or the fewer ones of a reduction.
+/// Refers to the model of the unknowns.
 class Coordinates {
  public:
-  /// The unknowns themselves.
+  /// Coordinates that are the unknowns themselves.
   explicit Coordinates(const LinearModel& full);
   /// A reduction to the unknowns `kept`, ascending, and so many modes.
   Coordinates(const LinearModel& full, std::vector<int> kept, int num_modes);
@@ -27,7 +27,7 @@ class Coordinates {
 
   /// Coordinate that equals an unknown. @pre it is one of those kept
   int of_unknown(int unknown) const;
-  /// One unknown, and all of them. @param q  coordinates, or their rates
+  /// One unknown, and all of them, from coordinates. @param q  coordinates, or their rates
   double unknown(const Eigen::VectorXd& q, int unknown) const;
   Eigen::VectorXd unknowns(const Eigen::VectorXd& q) const;
   /// Forces with the same work, T^T f.

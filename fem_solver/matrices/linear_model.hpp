@@ -10,8 +10,8 @@ namespace gabion::fem {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// What an unknown is: a component of a node's displacement (directions 1, 2, 3) or rotation (4, 5,
-/// 6), or the amplitude of a mode (node 0, its number as direction).
+/// An unknown: a component of a node's displacement (directions 1, 2, 3) or rotation (4, 5, 6), or
+/// the amplitude of a mode (node 0, its number as direction).
 struct Unknown {
   std::int64_t node = 0;
   int direction = 0;

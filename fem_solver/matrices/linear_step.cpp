@@ -17,7 +17,7 @@ void require_finite(const VectorXd& x, double dt) {
                             dt);
 }
 
-/// Damping that takes energy, or none, in every motion.
+/// Check that damping takes energy, or none, in every motion.
 /// @throws ConfigError  another one
 void require_takes_energy(const LinearModel& model) {
   constexpr double rounding = 1e-9;  // of the diagonal; rigid bodies have zero eigenvalues
@@ -183,7 +183,7 @@ VectorXd LinearStep::mean_force_change(const LinearState& state_n, const LinearF
   return step_force_factor(dt).solve(change);
 }
 
-/// Add what the balance at the end of the step has of the mean forces.
+/// Add the part of the mean forces in the balance at the end of the step.
 void LinearStep::add_mean_forces(const LinearState& state_n, const LinearForces& f, double dt,
                                  VectorXd& r) {
   const double c = dynamic_ ? scheme_.step_force_weight() : 1;

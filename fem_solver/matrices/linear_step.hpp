@@ -27,8 +27,9 @@ struct LinearState {
   Eigen::VectorXd u;  ///< displacement [m]
   Eigen::VectorXd v;  ///< velocity [m/s]
   Eigen::VectorXd a;  ///< acceleration [m/s^2]
-  /// What Newmark's formulas make of the displacements alone, without the corrections for mean
-  /// forces: the velocity that damping sees, and its acceleration. Empty where they are v and a.
+  /// Velocity and acceleration by Newmark's formulas from the displacements alone, without the
+  /// corrections for mean forces: the velocity that damping sees, and its acceleration. Empty where
+  /// they are v and a.
   Eigen::VectorXd v_u, a_u;
   LinearForces f;            ///< of the last step
   bool balanced = false;     ///< the motion solves the equations under f
@@ -61,15 +62,15 @@ class LinearStep {
   /// K u = load at time 0. @throws ConfigError  K is not positive definite
   LinearState equilibrium(const Eigen::VectorXd& load) const;
 
-  /// Displacement at the end of a step. A function of its arguments, equal in every bit when asked
-  /// again.
+  /// Displacement at the end of a step. It is a function of its arguments, equal in every bit when
+  /// called again.
   Eigen::VectorXd solve(const LinearState& state_n, const LinearForces& f, double dt);
   /// The state at the end of a step with the displacement `u` that solve() gave for these forces.
   LinearState after(const LinearState& state_n, LinearForces f, Eigen::VectorXd u, double dt);
-  /// The accepted state is another one.
+  /// Forget the start of the step: the accepted state has changed.
   void forget() { start_.reset(); }
 
-  /// Loads equal those of the state in every bit, and it is at rest under them.
+  /// Whether the loads equal those of the state in every bit, and it is at rest under them.
   bool nothing_changes(const LinearState& state_n, const LinearForces& f) const;
 
   double elastic_energy(const LinearState& state) const;
@@ -112,7 +113,7 @@ class LinearStep {
   struct KeptFactor {
     double dt = 0;
     std::unique_ptr<SymmetricFactor> factor;
-    std::unique_ptr<SymmetricFactor> of_step_forces = nullptr;  // once it is asked for
+    std::unique_ptr<SymmetricFactor> of_step_forces = nullptr;  // made at first use
   };
   std::list<KeptFactor> factors_;  // last used first
   std::optional<Start> start_;

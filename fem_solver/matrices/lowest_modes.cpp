@@ -62,7 +62,7 @@ void choose_krylov(EPS eps, int count, int size) {
   check_petsc(KSPSetType(ksp, KSPPREONLY), "KSPSetType");
   check_petsc(KSPGetPC(ksp, &pc), "KSPGetPC");
   check_petsc(PCSetType(pc, PCCHOLESKY), "PCSetType");
-  // A start that is the same every time: otherwise it is random.
+  // A fixed start vector: by default it is random.
   VecHandle start;
   check_petsc(VecCreateSeq(PETSC_COMM_SELF, size, start.receive()), "VecCreateSeq");
   check_petsc(VecSet(start.get(), 1), "VecSet");

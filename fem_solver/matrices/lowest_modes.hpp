@@ -14,8 +14,8 @@ struct Modes {
 };
 
 /// The modes of the lowest frequencies (SLEPc): all of them by LAPACK where the model is small or a
-/// third of its modes is wanted, else by Krylov and Schur with K factorised. Equal in every bit
-/// when asked again.
+/// third of its modes is wanted, else by Krylov and Schur with K factorised. They are equal in
+/// every bit when computed again.
 /// @pre K and M positive definite; PETSc runs
 /// @throws ConvergenceError  not found, or |K phi - omega^2 M phi| > 1e-6 |K phi|
 Modes lowest_modes(const LinearModel& model, int count);

@@ -9,7 +9,7 @@
 
 namespace gabion::fem {
 
-/// Read a symmetric matrix; entries of one place are summed. What the file is, its name says:
+/// Read a symmetric matrix; entries of one place are summed. The name of the file tells its format:
 ///
 /// - `.sti`, `.mas`: of CalculiX, `*FREQUENCY, SOLVER=MATRIXSTORAGE`: rows "row column value" of
 /// one
@@ -24,12 +24,12 @@ SparseMatrix read_symmetric_matrix(const std::string& path);
 /// @throws ConfigError
 Eigen::VectorXd read_vector(const std::string& path);
 
-/// Read what the rows of the matrices are: rows "node, direction", the direction from 1 to 6. A
+/// Read the unknowns of the matrices' rows: rows "node, direction", the direction from 1 to 6. A
 /// name that ends in `.dof` is a file of CalculiX: rows "node.direction".
 /// @throws ConfigError  not this, or an unknown twice
 std::vector<Unknown> read_unknowns(const std::string& path);
 
-/// Read what does not move: rows "node, direction", or "node" alone for all its directions.
+/// Read the unknowns that are held: rows "node, direction", or "node" alone for all its directions.
 /// @throws ConfigError
 std::vector<Unknown> read_held(const std::string& path);
 

@@ -14,7 +14,7 @@
 
 namespace gabion::fem {
 
-/// What a structure of matrices tells: probes, frames, summary. Columns of probes.csv: displacement
+/// Output of a structure of matrices: probes, frames, summary. Columns of probes.csv: displacement
 /// of the probes' nodes, kinetic_energy, elastic_energy, external_work, and damping_work where
 /// there is damping [J]. Frames: displacement, velocity and external_force of the nodes that have
 /// coordinates.

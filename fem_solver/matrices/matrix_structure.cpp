@@ -221,7 +221,8 @@ void connect_unknowns(const MatrixSettings<dim>& s, const NodeOf& node_of, const
   }
 }
 
-/// A surface of which nothing can move is one whose node numbers are those of something else.
+/// Refuse a surface of which nothing can move: its node numbers are probably those of something
+/// else.
 template <int dim>
 void require_free_surfaces(const MatrixSettings<dim>& s, const MatrixStructure<dim>& structure) {
   for (const auto& interface : s.interfaces) {

@@ -18,12 +18,12 @@ class NumberLines {
   /// @throws ConfigError  the file cannot be opened
   explicit NumberLines(std::string path, std::string separators = "");
 
-  /// The next line as it is, without its end. What follows has no line of words.
+  /// The next line as it is, without its end. No line of words may follow it.
   std::string_view raw_line();
   /// Numbers of the next line; empty: there is none. Valid until the next call.
   /// @throws ConfigError  something that is no finite number
   std::span<const double> next();
-  /// The same with a line of `count` numbers, or of none at the end.
+  /// Like next(), for a line of `count` numbers, or of none at the end.
   std::span<const double> next(std::size_t count, const char* meaning);
 
   /// A number of the last line as a whole one.

@@ -150,7 +150,8 @@ MeshPart<dim> part_of_mesh(const Mesh<dim>& whole, MPI_Comm comm) {
   return own;
 }
 
-/// Made as a whole on the first rank, for its middle nodes have numbers that no rank knows alone.
+/// The mesh is made as a whole on the first rank, since the numbers of its middle nodes follow from
+/// the whole mesh.
 template <int dim>
 MeshPart<dim> part_of_quadratic_box(const BoxShape<dim>& box, MPI_Comm comm) {
   Mesh<dim> whole;

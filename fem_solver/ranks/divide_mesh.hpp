@@ -14,7 +14,7 @@
 
 namespace gabion::fem {
 
-/// What a rank knows of the mesh of the structure.
+/// The mesh of the structure as a rank knows it.
 template <int dim>
 struct RankedMesh {
   Mesh<dim> mesh;   ///< its part
@@ -24,9 +24,9 @@ struct RankedMesh {
   MeshConnection<dim> connection;
 };
 
-/// This rank's part of a mesh: space is parted by planes so that the ranks have equal numbers of
-/// cells (bisect). Of a box each rank makes its own bricks alone; a file is read by the first rank,
-/// which sends the parts one after the other.
+/// This rank's part of a mesh: planes divide space so that the ranks have equal numbers of cells
+/// (bisect). Of a box each rank makes only its own bricks; a file is read by the first rank, which
+/// sends the parts one after the other.
 /// @param fem    reader of fem.json; its "mesh" is read
 /// @param lines  groups whose lines are cells
 /// @throws ConfigError  as read_mesh(); on all ranks

@@ -15,12 +15,12 @@
 
 namespace gabion::fem {
 
-/// Place of this rank's part of a mesh in the whole. Each cell is one rank's, which holds the nodes
-/// that it touches. Nodal vectors are those of the held nodes, num_nodes x dim of the part, the
-/// same bits on each holder. On one rank the part is the whole.
+/// Place of this rank's part of a mesh in the whole. Each cell belongs to one rank, which holds its
+/// nodes. Nodal vectors are those of the held nodes, num_nodes x dim of the part, the same bits on
+/// each holder. On one rank the part is the whole.
 class MeshRanks {
  public:
-  /// One rank, which has all.
+  /// One rank, which has the whole mesh.
   MeshRanks() = default;
   /// @param groups   nodes of the part's facet and node groups; the same names on all ranks
   /// @note Collective.
@@ -50,7 +50,7 @@ class MeshRanks {
   std::vector<std::int64_t> owned_nodes(std::int32_t num_nodes) const;
   /// Numbers in the whole of the cells of the part, ascending.
   std::vector<std::int64_t> own_cells(std::int32_t num_cells) const;
-  /// The same of its lines.
+  /// Numbers in the whole of the lines of the part, ascending.
   std::vector<std::int64_t> own_lines(std::int32_t num_lines) const;
   /// Cells of the part, then lines, whose numbers follow those of all cells.
   template <int dim>

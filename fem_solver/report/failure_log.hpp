@@ -18,7 +18,7 @@ bool may_fail(const FemSettings<dim>& settings) {
 }
 
 /// Log each cell and line of any rank that begins to fail, and warn where the first of them has
-/// facets of a wet surface: these stay in the surface, on the nodes, without the cell.
+/// facets of a wet surface: these facets stay in the surface, on the nodes, without the cell.
 /// @param failures  of this rank
 /// @param time      of the accepted step [s]
 /// @param warned    whether it warned in this run; set

@@ -11,13 +11,13 @@
 
 namespace gabion::fem {
 
-/// What probes.csv reports of a structure: displacements of points, then kinetic_energy,
+/// Columns of a structure in probes.csv: displacements of points, then kinetic_energy,
 /// elastic_energy, external_work [J], momentum_<c> [kg m/s], then reaction_<group>_<c> [N] of the
 /// supports that ask for it (force of the support on the structure), and moment_<group>_<c> [N m];
 /// where cells may yield, plastic_work [J] and the largest plastic strain of a point, of all cells
 /// and of each group; of each group of lines the largest and the least force, axial_max_<group> and
 /// axial_min_<group> [N], of beams the largest shear_max_<group> [N], bending_max_<group> at their
-/// ends and torsion_max_<group> [N m], and what brakes ran at most, brake_run_<group> [m];
+/// ends and torsion_max_<group> [N m], and the largest run of brakes, brake_run_<group> [m];
 /// brake_work [J]; stress_max_<group> and stress_min_<group> [Pa] of bars; damping_work [J] where
 /// there is damping; damage_work [J] and the widest crack of all cells and of each group [m] where
 /// cells may crack; failed_cells, cells and lines that failed, and failed_energy [J], the elastic

@@ -68,7 +68,7 @@ SectionForces<dim>::SectionForces(const FemSettings<dim>& settings,
   find_parts(settings, cells);
 }
 
-/// A link is on the side of the beam that it belongs to.
+/// Assign links to the part of their beam.
 template <int dim>
 void SectionForces<dim>::count_links(const CellIntegrals<dim>& cells, std::vector<double>& sides) {
   std::vector<RigidLink<dim>> behind;

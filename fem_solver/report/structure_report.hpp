@@ -14,8 +14,8 @@
 
 namespace gabion::fem {
 
-/// What the structure tells: probes, frames, summary. Refers to the settings and the step.
-/// Functions are collective.
+/// Output of the structure: probes, frames, summary. Refers to the settings and the step. Functions
+/// are collective.
 template <int dim>
 class StructureReport {
  public:

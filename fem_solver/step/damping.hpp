@@ -33,7 +33,7 @@ class Damping {
   BlockMatrix<dim> C_;
 };
 
-/// Some material or dashpot damps.
+/// Whether some material or dashpot damps.
 template <int dim>
 bool is_damped(const FemSettings<dim>& settings);
 

@@ -129,7 +129,7 @@ void Equilibrium<dim>::find_history(StructureState& state, const StructureState*
   state.damage_work = 0;
   if (!history_n_) return;
   state.history = std::make_shared<const std::vector<double>>(trial_history_);
-  // Cells that fail take work by the share of their stress that they still have in this step.
+  // The work of failing cells counts with the share of their stress left in this step.
   const bool by_step = may_fail_ && before;
   if (before) state.failed_energy = before->failed_energy;
   const auto work = [&](double StructureState::*sum, const auto& of_history) {
@@ -367,7 +367,8 @@ std::vector<double> Equilibrium<dim>::acceleration_of(std::span<const double> f)
 
 template <int dim>
 std::unique_ptr<typename Equilibrium<dim>::Mass> Equilibrium<dim>::factor_mass() const {
-  // The mass matrix is well conditioned: beyond a small factor, iterations to the last digits.
+  // The mass matrix is well conditioned: where a factor would be large, it is solved by iterations
+  // to the last digits.
   const bool large = dim == 3 && std::size_t{dim} * num_nodes_of_all_ > large_dofs;
   const LinearSolverSettings settings =
       large ? LinearSolverSettings{.method = "cg", .preconditioner = "jacobi", .tolerance = 1e-14}

@@ -45,16 +45,16 @@ class Equilibrium final : public NewtonProblem<dim> {
   void begin_step(const StructureMotion& motion_n, std::span<const double> f_ext,
                   std::span<const double> f_start, double dt, bool with_inertia);
 
-  /// The accepted history of the cells, from which evaluations go on. Null: none, or the virgin
-  /// one.
+  /// Set the accepted history of the cells, from which evaluations continue. Null: none, or the
+  /// virgin one.
   /// @returns  what is now the accepted one
   const CellHistory& set_history(CellHistory history);
 
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
-  /// Regularises K at slack lines, whose force has a kink at the stress-free length.
+  /// Regularise K at slack lines, whose force has a kink at the stress-free length.
   bool regularise(double share) override;
-  /// Adds stiffness at lines without force, which hold their nodes in no direction across.
+  /// Add stiffness at lines without force, which do not hold their nodes across.
   bool support(bool on) override;
   double increment_scale() const override { return smallest_cell_size_; }
   const SharedNodes& shared() const override { return ranks_.shared(); }
@@ -66,8 +66,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// with backward differences, so that a ramp does not ring.
   StructureMotion motion_after(std::span<const double> du) const;
 
-  /// History at the end of the step, its plastic work, that of brakes and of damage, of the last
-  /// evaluation, which was admissible, into a state.
+  /// Put the history at the end of the step, and the work of yielding, brakes and damage, of the
+  /// last evaluation, which was admissible, into a state.
   /// @param before  of the start of the step; null: there is none
   /// @note Collective.
   void find_history(StructureState& state, const StructureState* before) const;
@@ -93,8 +93,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   bool damped() const { return damping_ != nullptr; }
   /// f += C v, of all ranks' cells. [N]
   void add_damping(std::span<const double> v, std::span<double> f) const;
-  /// Work that damping took since time 0, du . C du / dt more at the end of a step than at its
-  /// start, never negative [J].
+  /// Work that damping took since time 0 [J]; a step adds du . C du / dt, which is never negative.
   double damping_work(const StructureState& state_n, const StructureState& next, double dt) const;
 
   /// M^-1 f, constrained components zero. The factor of M is kept. [unit of f / kg]
@@ -127,7 +126,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   double end_acceleration(std::size_t dof, double du) const;
   double end_velocity(std::size_t dof, double du, double a) const;
 
-  /// What the cells give for a trial state.
+  /// Sums over the cells in a trial state.
   struct CellSums {
     std::span<const double> internal, inertia;  // of all ranks, num_nodes x dim [N], in buffer_
     double energy = 0;                          // of this rank's cells [J]

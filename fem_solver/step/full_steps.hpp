@@ -8,9 +8,9 @@
 
 namespace gabion::fem {
 
-/// Newton's method with full steps and a new matrix each, up to where a line search goes on: a
+/// Newton's method with full steps and a new matrix each, until a line search can take over: a
 /// slender beam that bends in a step is stretched by it, so that |r| grows before it falls, and a
-/// line search would cut all steps. Where it comes to no end, du stays.
+/// line search would cut all steps. If it does not get there, du stays.
 /// @param equilibrium  of a step that has begun
 /// @param linear       with its regime
 /// @returns  number of steps
@@ -18,8 +18,8 @@ template <int dim>
 int take_full_steps(Equilibrium<dim>& equilibrium, BlockMatrix<dim>& K, LinearSolver<dim>& linear,
                     std::vector<double>& du);
 
-/// The settings of a solver that keeps its factor, see with_kept_factor(); of beams always a direct
-/// method, to whose rotations those that take iterations are foreign.
+/// The settings of a solver that keeps its factor, see with_kept_factor(); for beams always a
+/// direct method, since iterative ones do not suit rotations.
 template <int dim>
 LinearSolverSettings full_step_solver(const FemSettings<dim>& settings);
 

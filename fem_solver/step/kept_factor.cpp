@@ -19,7 +19,7 @@ namespace {
 
 // A factor of n unknowns with a front of w nodes takes some 1e-10 n w^2 s and 9 n w bytes, a
 // solution by conjugate gradients 1e-5 to 6e-5 n s. In dynamics a factor serves over many steps: at
-// this width it is worth some 30 solutions; in statics over few iterations.
+// this width it costs as much as some 30 solutions; in statics it serves over few iterations.
 constexpr std::int64_t widest_front_dynamic = 2200;
 constexpr std::int64_t widest_front_static = 1000;
 constexpr double factor_bytes = 9;                  // of unknowns x front
@@ -41,7 +41,7 @@ struct CellsOfNodes {
   std::vector<std::int32_t> cells;
 };
 
-/// What a walk from a node to all that hang together with it finds.
+/// Findings of a walk from a node to all nodes connected with it.
 struct Walk {
   std::int64_t num_nodes = 0;
   std::int64_t widest = 0;  ///< front
@@ -51,15 +51,15 @@ struct Walk {
 
 constexpr double slender_share = 0.2;
 
-/// Walks through the parts of a mesh, front by front on all ranks together. Nodes that ranks share
-/// are reached by all of their holders at once.
+/// Walks through the parts of a mesh, front by front, on all ranks together. All holders of a
+/// shared node reach it at once.
 template <int dim>
 class Walker {
  public:
   Walker(const Mesh<dim>& mesh, const MeshRanks& ranks)
       : mesh_(mesh), ranks_(ranks), of_nodes_(mesh), reached_(mesh.nodes.size(), 0) {}
 
-  /// One walk through each piece of the mesh, from an end of it.
+  /// One walk through each connected part of the mesh, from one of its ends.
   std::vector<Walk> walks() {
     std::vector<Walk> all;
     for (std::int32_t start = lowest_unreached(); start >= 0; start = lowest_unreached()) {
@@ -116,7 +116,8 @@ class Walker {
     return static_cast<std::int64_t>(shared.total(static_cast<double>(own)));
   }
 
-  /// Tell the other holders what this rank reached, by the places in the lists of shared nodes.
+  /// Tell the other holders which nodes this rank reached, by their places in the lists of shared
+  /// nodes.
   void reach_with_others(char mark, std::vector<std::int32_t>& front) {
     const SharedNodes& shared = ranks_.shared();
     Packets out;

@@ -9,10 +9,10 @@
 
 namespace gabion::fem {
 
-/// Nodes on the widest front with which the mesh can be passed through from one end to the other,
-/// neighbours of the last front being the next: some 3 n^2 in a cube of n^3 nodes, 2 n in a sheet
-/// of n^2. Collective, as all of these. What a sparse factor costs grows with it: numbers with its
-/// unknowns, operations with their square, a row of the matrix.
+/// Number of nodes on the widest front on a walk through the mesh from one end to the other, where
+/// the neighbours of a front are the next one: some 3 n^2 in a cube of n^3 nodes, 2 n in a sheet of
+/// n^2. Collective, as all of these. The cost of a sparse factor grows with it: per row of the
+/// matrix, numbers with the unknowns of the front, operations with their square.
 template <int dim>
 std::int64_t front_width(const Mesh<dim>& mesh, const MeshRanks& ranks = {});
 
@@ -23,7 +23,8 @@ bool is_slender(const Mesh<dim>& mesh, const MeshRanks& ranks = {});
 
 /// The settings for a matrix that serves over iterations and steps: "auto" becomes the direct
 /// method unless its factor in space costs more than Krylov iterations save
-/// (docs/measured/solvers.md), which is sooner in statics than in a dynamic analysis.
+/// (docs/measured/solvers.md), which happens at smaller sizes in statics than in a dynamic
+/// analysis.
 template <int dim>
 LinearSolverSettings with_kept_factor(LinearSolverSettings settings, const Mesh<dim>& mesh,
                                       const MeshRanks& ranks, bool dynamic);

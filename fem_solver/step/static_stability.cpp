@@ -14,7 +14,8 @@ namespace gabion::fem {
 
 namespace {
 
-// Whether statics of this structure are solved by factors, so that one more costs what they do.
+// Whether statics of this structure are solved by factors, so that another factor costs no more
+// than they do.
 template <int dim>
 bool is_factored(const FemSettings<dim>& settings) {
   const LinearRegime statics{.symmetric = settings.line_materials.empty(),
@@ -48,7 +49,8 @@ template <int dim>
 void StaticStability<dim>::look_at(const StructureState& state_n, const StructureState& state,
                                    Equilibrium<dim>& equilibrium) {
   if (!on_) return;
-  // The slope by the rotations of a step is symmetric where they are zero: as the next one begins.
+  // The derivative by the rotations of a step is symmetric where they are zero: at the start of the
+  // next step.
   equilibrium.set_history(beams_ ? state.history : state_n.history);
   BlockMatrix<dim> K;
   equilibrium.set_pattern(K);

@@ -7,10 +7,10 @@
 
 namespace gabion::fem {
 
-/// Looks for states of rest that the structure would leave: its stiffness is negative in some
-/// direction. One rank; not where cracks soften, nor beside lines that may be slack, which leave
-/// nodes without any stiffness, nor where the stiffness never changes, nor where the structure is
-/// so large that its systems are solved without factors.
+/// Looks for states of rest that the structure would leave, because its stiffness is negative in
+/// some direction. It works on one rank, not where cracks soften, nor beside lines that may be
+/// slack, which leave nodes without any stiffness, nor where the stiffness never changes, nor where
+/// the structure is so large that its systems are solved without factors.
 template <int dim>
 class StaticStability {
  public:

@@ -15,12 +15,12 @@ double work_of_loads(const Equilibrium<dim>& equilibrium, const BoundaryConditio
                      const StructureState& state_n, const StructureState& trial,
                      std::span<const double> du);
 
-/// Work of supports that move and of what else acts on their components [J]: of the mean internal
-/// force in the step, and of the change of momentum there on the mean velocity. What reactions are
-/// at the ends of a step says too little: they bear mean forces, which jump from step to step, and
-/// the jumps of a ramp. With both functions kinetic and elastic energy of a linear structure change
-/// by the work under the trapezoidal rule; to rounding where the accelerations of supports do not
-/// reach their neighbours through a consistent mass.
+/// Work of supports that move, and of all else that acts on their components [J]: of the mean
+/// internal force in the step, and of the change of momentum there on the mean velocity. The
+/// reactions at the ends of a step do not give it: they bear mean forces, which jump from step to
+/// step, and the jumps of a ramp. With both functions kinetic and elastic energy of a linear
+/// structure change by the work under the trapezoidal rule; to rounding where the accelerations of
+/// supports do not reach their neighbours through a consistent mass.
 /// @param trial  complete, with its velocity at the end of the step
 template <int dim>
 double work_of_supports(const Equilibrium<dim>& equilibrium,

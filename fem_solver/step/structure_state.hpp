@@ -40,7 +40,7 @@ struct TangentPoint {
   std::vector<double> u;      ///< displacement [m]
   double dt = 0;              ///< [s]
   bool with_inertia = false;  ///< the mass matrix is part of it
-  CellHistory history;        ///< accepted at the start of that step; equal when it is the same one
+  CellHistory history;        ///< accepted at the start of that step, compared by address
   bool operator==(const TangentPoint&) const = default;
 };
 
@@ -87,14 +87,14 @@ struct StructureState {
   /// Save or load.
   /// @param nodes  whose the values of nodal_vectors() are, by number in the whole mesh
   void visit_state(StateVisitor& visitor, std::vector<std::int64_t>& nodes);
-  /// The same of what only a structure with history has.
+  /// Save or load what only a structure with history has.
   /// @param rows  of the history by cell, with the cells' numbers in the whole mesh
   void visit_history(StateVisitor& visitor, HistoryRows& rows);
-  /// The same of what only a structure that cracks has.
+  /// Save or load what only a structure that cracks has.
   void visit_damage(StateVisitor& visitor);
-  /// The same of what only a structure has whose cells may fail.
+  /// Save or load what only a structure has whose cells may fail.
   void visit_failure(StateVisitor& visitor);
-  /// The same of what only a damped structure has.
+  /// Save or load what only a damped structure has.
   void visit_damping(StateVisitor& visitor);
   /// Name and values.
   std::vector<std::pair<std::string, std::vector<double>*>> nodal_vectors();

@@ -123,7 +123,7 @@ StructureState StructureStep<dim>::initial_state() {
   return state;
 }
 
-/// What the balance needs of the state at the start of the step, see NewmarkBossak.
+/// Forces at the start of the step that the balance needs, see NewmarkBossak.
 template <int dim>
 std::vector<double> StructureStep<dim>::start_forces(const StructureState& state_n,
                                                      bool with_inertia) const {
@@ -146,7 +146,7 @@ bool StructureStep<dim>::nothing_changes(const StructureState& state_n, const Ex
                       f.step == state_n.f_step);
 }
 
-/// Free components go on with their velocity, or stay; constrained ones reach their prescribed
+/// Guess: free components keep their velocity, or stay; constrained ones reach their prescribed
 /// value.
 template <int dim>
 std::vector<double> StructureStep<dim>::first_guess(const StructureState& state_n, double dt,
@@ -257,7 +257,7 @@ NewtonReport StructureStep<dim>::solve_from_guess(const StructureState& state_n,
 template <int dim>
 void StructureStep<dim>::fill_trial(const StructureState& state_n, ExternalForces f, double dt,
                                     std::span<const double> du, StructureState& trial) {
-  // The line search may have looked at other states after this one.
+  // The line search may have evaluated other states after this one.
   std::vector<double> r(equilibrium_.num_dofs());
   equilibrium_.evaluate(du, r, nullptr);
   const NodalForces& forces = equilibrium_.forces();
@@ -285,7 +285,7 @@ void StructureStep<dim>::fill_trial(const StructureState& state_n, ExternalForce
   trial.pause = linear_.pause();
 }
 
-/// What the corrections (T9) take for M^-1 f. @param trial  of the step of dt
+/// The vector that the corrections (T9) use for M^-1 f. @param trial  of the step of dt
 template <int dim>
 std::vector<double> StructureStep<dim>::kick_of(const std::vector<double>& f, double dt,
                                                 const StructureState& trial) {
@@ -318,7 +318,7 @@ void StructureStep<dim>::complete(const StructureState& state_n, double dt, Stru
       trial.motion.a[i] -= scheme.step_force_acceleration() * a[i];
     }
     for (auto* y : {&trial.motion.v, &trial.motion.a}) equilibrium_.embedded().follow(*y);
-    // The balance has c times the change of the mean forces, the supports bear it once.
+    // The balance has c times the change of the mean forces, but the supports bear it only once.
     const std::vector<double> inertia = equilibrium_.mass_times(a);
     for (const auto dof : conditions_.constrained_dofs()) {
       trial.reactions[dof] -= (scheme.step_force_weight() - 1) * inertia[dof];

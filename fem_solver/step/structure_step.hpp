@@ -46,7 +46,7 @@ class StructureStep {
   /// @note Collective.
   void complete(const StructureState& state_n, double dt, StructureState& trial);
 
-  /// Cells of a state that becomes the accepted one fail, and those that failed go on to lose
+  /// Let cells of a state that becomes the accepted one fail, and those that failed lose more of
   /// their stress: elastic energy becomes failed energy, and in dynamics the acceleration is that
   /// of the forces that are left, so that the next step makes no energy.
   /// @param state  complete
@@ -54,10 +54,10 @@ class StructureStep {
   /// @note Collective.
   std::vector<Failure> fail_cells(double dt, StructureState& state);
 
-  /// The accepted state changes, or the step begins anew.
+  /// Forget the last solution: the accepted state changes, or the step begins anew.
   void forget_iterates() { last_.reset(); }
 
-  /// Nothing moves, and neither loads nor supports will change without the interface's doing.
+  /// Whether nothing moves, and neither loads nor supports will change by themselves.
   /// @note Collective.
   bool at_rest(const StructureState& state) const;
 

@@ -25,7 +25,7 @@ class BeamCells {
  public:
   /// Numbers that a beam remembers of its rotations; all zero: not turned.
   static constexpr std::size_t rotation_width = dim == 3 ? 14 : 0;
-  /// All of them: then those of the fibres, where the section yields, and of its failure.
+  /// Numbers that a beam remembers in all: rotations, fibres where the section yields, and failure.
   std::size_t history_width() const {
     return rotation_width + fibre_numbers_ + (material_.failure.any() ? failure_numbers : 0);
   }
@@ -35,7 +35,8 @@ class BeamCells {
   BeamCells(const Mesh<dim>& mesh, const LineMaterial& material,
             std::span<const std::int32_t> lines, const BeamNodes& nodes);
 
-  /// See LineBlock::add_internal(). K has rows of both places, then of both rotations.
+  /// Add forces and stiffness, see LineBlock::add_internal(). K has rows of both places, then of
+  /// both rotations.
   StressIntegral add_internal(std::span<const double> u, std::span<double> f_int,
                               BlockMatrix<dim>* K, HistoryStep history) const;
   /// Rotary inertia, the same about all axes, half at each node.

@@ -116,7 +116,7 @@ void CellBlock<dim>::compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ra
   }
 }
 
-/// The law, or what it is in a cell.
+/// The law, or its form in a cell.
 template <int dim>
 template <class Law>
 decltype(auto) CellBlock<dim>::law_in(const Law& law, std::size_t c) const {
@@ -127,7 +127,7 @@ decltype(auto) CellBlock<dim>::law_in(const Law& law, std::size_t c) const {
   }
 }
 
-/// What is kept in a step of a cell that may fail.
+/// Keep the numbers of a cell that may fail in a step.
 /// @param share  share_left()
 template <int dim>
 void CellBlock<dim>::keep_failure(std::size_t c, double share, HistoryStep history) const {

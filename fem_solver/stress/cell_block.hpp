@@ -38,7 +38,7 @@ class CellBlock {
   /// Equivalent plastic strain, mean over the quadrature points, into the rows of its cells.
   void find_plastic_strains(std::span<const double> history, std::span<double> strains) const;
   double largest_plastic_strain(std::span<const double> history) const;
-  /// The largest of the points of its c-th cell; 0 where none yields.
+  /// Largest plastic strain of the points of its c-th cell; 0 where none yields.
   double largest_plastic_strain(std::size_t c, std::span<const double> history) const;
   double plastic_work(std::span<const double> history) const;  ///< [J]
   /// See CellIntegrals::largest_rotation; 0 of laws of finite strain.

@@ -27,7 +27,7 @@ template <int dim>
 std::vector<CellDamage> cell_damage(const CellIntegrals<dim>& cells,
                                     std::span<const double> history);
 
-/// What cracks and crushing took of the cells of this rank [J].
+/// Energy that cracks and crushing took in the cells of this rank [J].
 template <int dim>
 double damage_work(const CellIntegrals<dim>& cells, std::span<const double> history);
 

@@ -17,7 +17,7 @@ namespace {
 constexpr double gone_below = 1e-9;     // of the share that is left
 constexpr double holding_share = 1e-6;  // of the stiffness of a cell, in statics
 
-/// What a cell or line has reached of one of its limits.
+/// Value that a cell or line has reached, and its limit.
 struct Reached {
   FailureReason reason;
   double value;
@@ -47,7 +47,7 @@ double crossing_time(const LineBlock<dim>& block, std::size_t k) {
          std::sqrt(block.material().young_modulus / block.material().density);
 }
 
-/// What each cell of a block has reached.
+/// Failures in a block of cells, by what each has reached.
 template <int dim>
 std::vector<Failure> failures_of(const CellBlock<dim>& block, std::span<const double>,
                                  std::span<const double> history) {
@@ -62,7 +62,7 @@ std::vector<Failure> failures_of(const CellBlock<dim>& block, std::span<const do
   return failures;
 }
 
-/// The same of lines, whose numbers here are those among the lines.
+/// Failures in a block of lines, whose numbers here are those among the lines.
 template <int dim>
 std::vector<Failure> failures_of(const LineBlock<dim>& block, std::span<const double> u,
                                  std::span<const double> history) {
@@ -107,7 +107,7 @@ bool advance(const Block& block, const AcceptedStep& step, std::int32_t first_el
   return changed;
 }
 
-/// Visit blocks that may fail with the parts of a history that are theirs.
+/// Visit the blocks that may fail, with their parts of a history.
 template <int dim, class OfCells, class OfLines>
 void for_failing(const CellIntegrals<dim>& cells, std::span<const double> history,
                  const OfCells& of_cells, const OfLines& of_lines) {

@@ -19,13 +19,13 @@ struct Failure {
   double value = 0, limit = 0;
 };
 
-/// What an accepted step changes in the failure of cells and lines of this rank.
+/// Changes by an accepted step in the failure of cells and lines of this rank.
 struct FailureChange {
   std::vector<double> history;  ///< from which the next step goes on; empty: nothing changes
   std::vector<Failure> begun;   ///< in this step
 };
 
-/// An accepted step, as failure sees it.
+/// Data of an accepted step for the failure of cells.
 struct AcceptedStep {
   std::span<const double> u;        ///< at its end [m]
   std::span<const double> history;  ///< at its end
@@ -38,8 +38,8 @@ struct AcceptedStep {
 template <int dim>
 bool may_fail(const CellIntegrals<dim>& cells);
 
-/// Cells and lines beyond a limit begin to fail; those that failed lose the share dt / fade time of
-/// their stress, and at last all of it.
+/// Let cells and lines beyond a limit begin to fail; those that failed lose the share dt / fade
+/// time of their stress, and at last all of it.
 template <int dim>
 FailureChange failure_after(const CellIntegrals<dim>& cells, const AcceptedStep& step);
 

@@ -27,9 +27,9 @@ class CellIntegrals {
   CellIntegrals(const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials,
                 bool lumped_mass, const MeshRanks& ranks = {}, const LinesOfMesh<dim>& lines = {});
 
-  /// Take these, too, into all sums below.
+  /// Include these in all sums below.
   void set_nodal_parts(NodalParts<dim> parts) { nodal_parts_ = std::move(parts); }
-  /// The same of links, each at a beam of these cells; before set_pattern().
+  /// Include links, each at a beam of these cells; call it before set_pattern().
   void set_links(RigidLinks<dim> links);
   const RigidLinks<dim>& links() const { return links_; }
   /// History of the beam at each link; empty in the plane.
@@ -79,7 +79,7 @@ class CellIntegrals {
 
   std::size_t history_size() const;   ///< number of values; those of the virgin state are 0
   std::size_t history_width() const;  ///< the largest of a cell
-  bool yields() const;                ///< a block does
+  bool yields() const;                ///< a block has damage
   bool cracks() const;                ///< a block does
   std::span<const CellBlock<dim>> blocks() const { return blocks_; }
   std::span<const LineBlock<dim>> line_blocks() const { return line_blocks_; }
@@ -88,7 +88,7 @@ class CellIntegrals {
   std::span<const double> of_line_block(std::span<const double> history, std::size_t block) const;
 
   /// Convert between a history and rows: a row a cell of the mesh, then a row a line, of
-  /// history_width() numbers each, zero beyond those that a cell or line has.
+  /// history_width() numbers each, filled up with zeros.
   std::vector<double> history_rows(std::span<const double> history) const;
   std::vector<double> history_of_rows(std::span<const double> rows) const;
 

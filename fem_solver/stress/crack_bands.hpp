@@ -11,7 +11,7 @@
 
 namespace gabion::fem {
 
-/// Bands of cells of a material; empty when its law needs none.
+/// Crack bands of the cells of a material; empty when its law needs none.
 /// @param ranks  for the number of a cell in messages
 /// @throws ConfigError  a type of cells or a formulation within which cracks would localise; a cell
 ///                      too wide for the energies of its law

@@ -114,7 +114,7 @@ class CellBoxes {
   std::vector<std::vector<std::int32_t>> slices_;
 };
 
-/// Weights below rounding left out, the others to the sum 1.
+/// Leave out weights below rounding, and scale the others to the sum 1.
 template <int dim>
 std::vector<typename EmbeddedNodes<dim>::Share> shares_in(std::span<const std::int32_t> nodes,
                                                           const Place<dim>& place) {

@@ -25,7 +25,7 @@ class EnhancedCell {
   using Forces = Eigen::Matrix<double, num_dofs, 1>;
   using Stiffness = Eigen::Matrix<double, num_dofs, num_dofs, Eigen::RowMajor>;
 
-  /// What a cell is: points x nodes, points, points.
+  /// Geometry of a cell: points x nodes, points, points.
   struct Geometry {
     const Vector<dim>* gradients;
     const double* weights;
@@ -62,7 +62,7 @@ class EnhancedCell {
         K_aa.noalias() += w * (M.transpose() * (stress_[q].D * M).eval());
       }
       // A cell that flows in shear without hardening has no stiffness against modes along the flow,
-      // and no force either: what is added there changes neither.
+      // and no force either: the term added there changes neither.
       K_aa.diagonal().array() += 1e-10 * K_aa.diagonal().maxCoeff();
       factor_.compute(K_aa);
       if (factor_.info() != Eigen::Success) return "enhanced strain without stiffness";

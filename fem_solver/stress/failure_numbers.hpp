@@ -9,8 +9,9 @@
 
 namespace gabion::fem {
 
-/// Numbers of its failure that the history of a cell or line that may fail ends with; all zero
-/// before. They change between steps alone, so that a step is a function of the accepted state.
+/// Numbers of failure, the last ones in the history of a cell or line that may fail; all are zero
+/// before failure. They change only between steps, so that a step is a function of the accepted
+/// state.
 enum FailureNumber : std::size_t {
   lost_share,        ///< of its stress, 1: it is gone
   fade_time,         ///< over which the stress falls to zero [s]; > 0: it failed
@@ -31,7 +32,8 @@ inline double share_left(std::span<const double> history) {
   return 1 - failure_of(history)[lost_share];
 }
 
-/// Copy what a step does not change: the numbers of failure, of a cell that is gone all.
+/// Copy what a step does not change: the numbers of failure, and of a cell that is gone all
+/// numbers.
 inline void keep_failure(double share, HistoryStep history) {
   const std::size_t size = share == 0 ? history.accepted.size() : failure_numbers;
   std::ranges::copy(history.accepted.last(size), history.trial.last(size).begin());

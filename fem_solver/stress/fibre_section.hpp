@@ -20,7 +20,7 @@ class FibreSection {
   FibreSection(const LineMaterial& material, const BeamStiffness& stiffness, HistoryStep history)
       : material_(material), stiffness_(stiffness), history_(history) {}
 
-  /// Writes the trial history.
+  /// The section's answer; it writes the trial history.
   template <class S>
   SectionAnswer<S> operator()(const Triple<S>& gamma, const Triple<S>& kappa) const {
     const Sums sums = sum({value_of(gamma[0]), value_of(kappa[1]), value_of(kappa[2])});

@@ -17,8 +17,8 @@
 
 namespace gabion::fem {
 
-/// Materials of the lines of a mesh, each of a group; the rotations of those that are beams; nodes
-/// inside cells, null: none. Refers to its arguments.
+/// Lines of a mesh: their materials, each of a group; the rotations of those that are beams; nodes
+/// inside cells (null: none). Refers to its arguments.
 template <int dim>
 struct LinesOfMesh {
   std::span<const LineMaterial> materials{};
@@ -50,7 +50,7 @@ class LineBlock {
   /// the element behind the cells of the mesh.
   StressIntegral add_internal(std::span<const double> u, std::span<double> f_int,
                               BlockMatrix<dim>* K, HistoryStep history) const;
-  /// A share of the stiffness of taut lines, in all directions.
+  /// Add a share of the stiffness of taut lines, in all directions.
   void add_stiffness(double share, BlockMatrix<dim>& K) const;
 
   void add_mass_times(std::span<const double> a, std::span<double> f) const;

@@ -11,8 +11,8 @@
 
 namespace gabion::fem {
 
-/// Nodes that a node of beams takes with it as a rigid body, by stiff springs without length from
-/// each of them to its place on that body.
+/// Nodes that a node of beams takes along as a rigid body, by stiff springs without length between
+/// each of them and its place on that body.
 template <int dim>
 struct RigidLink {
   struct Arm {

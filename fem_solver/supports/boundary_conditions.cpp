@@ -16,7 +16,7 @@ namespace gabion::fem {
 
 namespace {
 
-// What rules a degree of freedom that no function of time does.
+// Marks of degrees of freedom that no function of time prescribes.
 constexpr int free_dof = -2, fixed_dof = -1;
 
 }  // namespace
@@ -121,7 +121,7 @@ void BoundaryConditions<dim>::add_constraint(std::vector<int>& owner, const Cons
                   current == fixed_dof ? "fixed" : "prescribed"));
 }
 
-/// What rules each degree of freedom.
+/// Find what prescribes each degree of freedom: a function of time, a support, or nothing.
 template <int dim>
 std::vector<int> BoundaryConditions<dim>::find_owners(const FemSettings<dim>& settings) {
   const MeshRanks& ranks = settings.ranks;
@@ -179,7 +179,7 @@ std::vector<std::int32_t> nodes_of(const FemSettings<dim>& settings, const Setti
   return held < 0 ? std::vector<std::int32_t>() : std::vector{held};
 }
 
-/// Call add(node, share) for those of its nodes that this rank owns.
+/// Call add(node, share) for the loaded nodes that this rank owns.
 template <int dim, class Settings, class Add>
 void share_out(const FemSettings<dim>& settings, const Settings& item, const Add& add) {
   const SharedNodes& shared = settings.ranks.shared();

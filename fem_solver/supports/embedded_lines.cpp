@@ -55,8 +55,8 @@ void refuse_conditions_on_embedded(const FemSettings<dim>& s) {
   check_places(s.dashpots);
 }
 
-/// Two bars in one place would both count. Cells and lines on the same nodes are looked at when the
-/// mesh is read.
+/// Refuse two bars in one place, which would both count. Cells and lines on the same nodes are
+/// checked when the mesh is read.
 template <int dim>
 void refuse_doubled_lines(const FemSettings<dim>& s) {
   const auto place = nodes_in_place<dim>(s.mesh.nodes, coincidence_distance(s.mesh));

@@ -35,7 +35,7 @@ std::array<bool, dim> held_components(const FemSettings<dim>& settings,
   return held;
 }
 
-/// What holds one of two parts with a rigid link between them holds both.
+/// Join the holds of parts with a rigid link between them: what holds one holds both.
 template <int dim>
 void join_linked(const FemSettings<dim>& settings, std::span<const ConnectedPart<dim>> parts,
                  std::vector<std::array<bool, dim>>& held) {

@@ -13,8 +13,8 @@ namespace gabion::fem {
 
 namespace {
 
-/// Stiffness of all springs of a link over that of the cells around it: what it gives way adds a
-/// few thousandths to what they do.
+/// Stiffness of all springs of a link over that of the cells around it: its deformation adds a few
+/// thousandths to theirs.
 constexpr double link_factor = 1e3;
 
 /// The largest modulus of the structure [Pa].
