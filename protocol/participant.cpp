@@ -89,7 +89,7 @@ void Participant::set_summary(Json summary) {
 void Participant::initialize() {
   before_initialize("initialize");
   require<UsageError>(!meshes_.empty(), "interfaces: found none, allowed: one or more");
-  // Read back by the rules of the coupler: what it would refuse is found here.
+  // The hello is read back by the rules of the coupler, so that what it would refuse is found here.
   accepted_probes_ = probes_;
   const Introduction introduction{.interfaces = meshes_,
                                   .probe_names = probe_names_,
@@ -152,7 +152,7 @@ ForceKind Participant::force_kind(const std::string& interface) {
   return found == force_kinds_.end() ? ForceKind::end_of_step : found->second;
 }
 
-/// Once, to a code that never asked what its forces are.
+/// Warn once a code that never asked for the kind of its forces.
 void Participant::warn_of_step_means() {
   for (const auto& [name, kind] : force_kinds_) {
     if (asked_force_kind_ || kind == ForceKind::end_of_step) continue;
@@ -222,7 +222,7 @@ void Participant::finalize() {
   connection_->close();
 }
 
-/// Let a step be open, or the run finished.
+/// Wait until a step is open, or the run is finished.
 void Participant::settle() {
   after_initialize();
   if (request_ || machine_->is_finished()) return;

@@ -50,35 +50,38 @@ class Participant : private RequestHandler {
   Participant(Participant&&) = delete;
   Participant& operator=(Participant&&) = delete;
 
-  /// A coupled surface in its reference configuration. Before initialize().
+  /// Set a coupled surface in its reference configuration. Call it before initialize().
   /// @param coordinates         [m], num_vertices x dim, row-major
   /// @param vertices_per_facet  2, 3, 4; 0 for bare points
   /// @param facets              vertex numbers from 0, num_facets x vertices_per_facet; normals out
-  ///                            of the structure: in 2D to the right of the way along the segment
+  ///                            of the structure: in 2D to the right when going along the segment
   void set_interface(const std::string& name, std::span<const double> coordinates,
                      int vertices_per_facet = 0, std::span<const std::int64_t> facets = {});
   /// Set the kind of force that a soil sends on this interface; by default the force at the end of
   /// the step. Call it before initialize() and after set_interface().
   void set_force_kind(const std::string& interface, ForceKind kind);
-  /// Of a structure: displacements of an interface in the initial state, which is displaced: in
-  /// equilibrium with its weight, say. Call it before initialize() and after set_interface().
+  /// Set the displacements of an interface in the initial state of a structure that begins
+  /// displaced, such as in equilibrium with its weight. Call it before initialize() and after
+  /// set_interface().
   /// @param values  [m], num_vertices x dim
   void set_start_displacement(const std::string& interface, std::span<const double> values);
-  /// Of a soil: `take(displacements)` [m, of all interfaces] is told where the structures begin. It
-  /// is called in initialize(), only where one of them is displaced, not in a restart; it calls
-  /// write_probes() where they change. What read_data() gives remains total, from the reference.
-  /// It throws where the soil cannot begin so, which ends the run. Call it before initialize().
+  /// Set the function `take(displacements)` of a soil, which gets the displacements [m] of all
+  /// interfaces where the structures begin. It is called in initialize(), only where one of them is
+  /// displaced, not in a restart; it calls write_probes() where they change. Displacements of
+  /// read_data() remain total, from the reference. `take` throws where the soil cannot begin so,
+  /// which ends the run. Call it before initialize().
   void on_set_start(std::function<void(const InterfaceValues&)> take);
-  /// Numbers that the run shall record. Call it before initialize().
+  /// Set the numbers that the run shall record. Call it before initialize().
   /// @param values  in the initial state, as many as names
   void set_probes(std::vector<std::string> names, std::span<const double> values);
-  /// Values of the probes at the end of the step, before advance().
+  /// Set the values of the probes at the end of the step; call it before advance().
   void write_probes(std::span<const double> values);
-  /// `write(time)` [s] is called when the coupler wants the accepted state on disk, which then is
-  /// the code's current state. Without it the code writes when it likes, such as after
-  /// is_time_window_complete(). Before initialize().
+  /// Set the function `write(time)` [s], which is called when the coupler wants the accepted state
+  /// on disk; this is then the code's current state. Without it the code writes when it likes, such
+  /// as after is_time_window_complete(). Call it before initialize().
   void set_output(std::function<void(double)> write);
-  /// Optional, so that a run with this code can be restarted. Before initialize().
+  /// Set the functions with which a run with this code can be restarted (optional). Call it before
+  /// initialize().
   /// @param save  gives all of the accepted state, which then is the code's current state, that
   ///              later steps depend on, in a form of the code's own
   /// @param load  continues from what `save` gave, perhaps in an earlier run; calls write_probes().
@@ -86,7 +89,7 @@ class Participant : private RequestHandler {
   ///              initialize() already, or between two steps.
   void set_state(std::function<std::vector<std::byte>()> save,
                  std::function<void(std::span<const std::byte>)> load);
-  /// What summary.json shall say of this participant.
+  /// Set the entry of this participant in summary.json.
   void set_summary(Json summary);
 
   /// Connect, introduce, and wait for the first step.
@@ -110,21 +113,22 @@ class Participant : private RequestHandler {
   bool requires_reading_checkpoint();
 
   /// Kind of force that read_data() gives on this interface: that at the end of the step, or the
-  /// mean force, which is to act as a constant load over the step. The same in all steps.
+  /// mean force, which is to act as a constant load over the step. It does not change during a run.
   ForceKind force_kind(const std::string& interface);
-  /// Received values at the end of the step, num_vertices x dim: force [N] or displacement [m].
+  /// The received values at the end of the step, num_vertices x dim: force [N] or displacement [m].
   std::vector<double> read_data(const std::string& interface);
-  /// Values to send at the end of the step, num_vertices x dim: displacement [m] or force [N].
+  /// Set the values to send at the end of the step, num_vertices x dim: displacement [m] or force
+  /// [N].
   void write_data(const std::string& interface, std::span<const double> values);
 
-  /// The code has advanced by `dt` [s], at most get_max_time_step_size(). At the end of the step:
-  /// send what was written, and wait for the verdict.
+  /// Note that the code has advanced by `dt` [s], at most get_max_time_step_size(). At the end of
+  /// the step: send what was written, and wait for the verdict.
   void advance(double dt, const StepReport& report = {});
-  /// Instead of advance(): the open step has no solution. The coupler will try a smaller one; go
-  /// back to the saved state.
+  /// Call it instead of advance() when the open step has no solution. The coupler will try a
+  /// smaller one; go back to the saved state.
   void fail_step(const std::string& reason);
 
-  /// Close. Before the end of the coupling: tell the coupler that this participant gives up.
+  /// Close; before the end of the coupling, tell the coupler that this participant gives up.
   void finalize();
 
   /// Number of values of an interface, num_vertices x dim.

@@ -36,12 +36,12 @@ void Participant::on_set_start(std::function<void(const InterfaceValues&)> take)
   take_start_ = std::move(take);
 }
 
-/// Called before the first step.
+/// The call comes before the first step.
 Participant::Answer Participant::set_start(const InterfaceValues& displacements) {
   if (!take_start_) machine_->refuse("set_start");
   take_start_(displacements);
   accepted_probes_ = probes_;
-  must_write_ = true;  // what the code may have saved began at the reference
+  must_write_ = true;  // a state that the code may have saved began at the reference
   return start_set(probes_);
 }
 

@@ -15,7 +15,7 @@ void Participant::set_state(std::function<std::vector<std::byte>()> save,
   load_ = std::move(load);
 }
 
-/// Called between two steps, when the code's current state is the accepted one.
+/// The call comes between two steps, when the code's current state is the accepted one.
 Participant::Answer Participant::save_state(const std::string&) {
   if (!save_) machine_->refuse("save");
   return saved(pack_bytes(save_()));
@@ -25,7 +25,7 @@ Participant::Answer Participant::load_state(const Message& request) {
   if (!load_) machine_->refuse("load");
   load_(unpack_bytes(read_state(request)));
   accepted_probes_ = probes_;
-  must_write_ = true;  // what the code saved for repeated steps is of another state
+  must_write_ = true;  // the state that the code saved for repeated steps is another one
   return loaded(probes_);
 }
 

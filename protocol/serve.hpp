@@ -24,7 +24,7 @@ void serve(Solver& solver, Connection& connection, const std::function<void()>& 
 /// @param requests  gives on what the connection gets
 void serve(Solver& solver, Connection& connection, RequestSource& requests);
 
-/// Have the solver do what is asked until the run is finished.
+/// Have the solver carry out the requests until the run is finished.
 /// @param receives, sends  by the solver
 /// @throws ProtocolError  a request that is unknown, not allowed now, or not complete
 /// @throws Error          of the solver, but for a ConvergenceError of solve_step

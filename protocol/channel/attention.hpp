@@ -7,20 +7,20 @@
 
 namespace gabion {
 
-/// Whether to look for a message again and again, or to sleep until it comes. A thread that sleeps
-/// takes 50 to 100 us to wake, one that looks takes a processor from whoever computes. So short
-/// waits look, long ones sleep; waits of one kind (what was asked, and whom) are about as long as
-/// those before.
+/// Decides whether to poll for a message or to sleep until it comes. A thread that sleeps takes 50
+/// to 100 us to wake, one that polls takes a processor from other work. So short waits poll, long
+/// ones sleep; waits of one kind (which request, to whom) are expected to be about as long as those
+/// before.
 class Attention {
  public:
   using Seconds = std::chrono::duration<double>;
 
-  /// Time to look before sleep.
+  /// Time to poll before sleep.
   Seconds before(const std::string& kind) const {
     const auto known = means_.find(kind);
     return known == means_.end() || known->second <= short_wait ? longest_look : Seconds(0);
   }
-  /// A wait of this kind is over.
+  /// Note the length of a wait of this kind.
   void note(const std::string& kind, Seconds wait) {
     const auto [known, is_new] = means_.emplace(kind, wait);
     if (!is_new) known->second += share_of_last * (wait - known->second);

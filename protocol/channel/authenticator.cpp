@@ -42,7 +42,7 @@ void Authenticator::run() {
       zmq::pollitem_t item{socket_.handle(), 0, ZMQ_POLLIN, 0};
       if (zmq::poll(&item, 1, slice) > 0) answer_one();
     } catch (const zmq::error_t&) {
-      // The process that asked gets no answer, and is not admitted.
+      // The process that asked gets no answer, so it is not admitted.
     }
   }
 }

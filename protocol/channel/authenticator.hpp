@@ -11,8 +11,9 @@
 
 namespace gabion {
 
-/// Answers for a context who may connect (ZAP 1.0: ZeroMQ RFC 27), in a thread of its own, so that
-/// nobody's handshake waits for the coupler or holds it up. One a context, before any socket binds.
+/// Decides who may connect to a context (ZAP 1.0: ZeroMQ RFC 27), in a thread of its own, so that
+/// no handshake waits for the coupler or delays it. There is one for each context, made before any
+/// socket binds.
 class Authenticator {
  public:
   /// @param clients  public keys of those that may
@@ -31,7 +32,7 @@ class Authenticator {
   zmq::socket_t socket_;
   Strangers strangers_;  // senders without access, by key
   std::atomic<bool> stopping_ = false;
-  std::thread thread_;  // last: starts when all else is there
+  std::thread thread_;  // last: starts when all members are there
 };
 
 }  // namespace gabion

@@ -15,7 +15,7 @@
 namespace gabion {
 namespace {
 
-constexpr double slice = 0.1;         // [s] between two looks
+constexpr double slice = 0.1;         // [s] between two polls
 constexpr double own_sleep = 1.0;     // [s] for a slice: this process did not run
 constexpr double grace = 1.0;         // [s] for a computation to end by itself
 constexpr double output_grace = 30.;  // [s] for files to be completed

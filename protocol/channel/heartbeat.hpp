@@ -38,7 +38,7 @@ class Heartbeat {
 
   /// @param busy  the solver computes, so no other thread checks whether the coupler lives
   void set_phase(const std::string& phase, bool busy);
-  /// The handshake is done: watch this coupler.
+  /// Watch this coupler, after the handshake.
   /// @param interval  [s] between two signs of life
   void watch(std::shared_ptr<PeerWatch> coupler, double interval, double silence_deadline);
 
@@ -54,7 +54,7 @@ class Heartbeat {
   Stopwatch since_loss_;
   bool lost_ = false;
 
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the following members
   std::condition_variable changed_;
   bool stopping_ = false;
   std::string phase_ = "handshake";
@@ -65,7 +65,7 @@ class Heartbeat {
   /// Shared with the connection, whose own waits look at it too.
   std::shared_ptr<PeerWatch> coupler_;
 
-  std::thread thread_;  // last: starts when all else is there
+  std::thread thread_;  // last: starts when all members are there
 };
 
 }  // namespace gabion

@@ -41,7 +41,7 @@ std::vector<std::string> read_keys(const std::string& file, const std::string& t
     ++number;
     if (line.find_first_not_of(" \t\r") == std::string::npos || line.starts_with(';')) continue;
     line.erase(line.find_last_not_of(" \t\r") + 1);
-    // What is wrong is not quoted: it may be a secret.
+    // The wrong text is not quoted, since it may be a secret.
     require<ConfigError>(line.starts_with(tag) && is_key(line.substr(tag.size())),
                          "{}: line {} is not \"{}KEY\" with {} characters of Z85", file, number,
                          tag, key_length);

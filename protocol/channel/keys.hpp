@@ -11,13 +11,13 @@ namespace gabion {
 /// each: `gabion-secret-key KEY` or `gabion-public-key KEY`; empty lines and those after `;` do not
 /// count.
 
-/// What the coupler needs to admit the participants that it knows.
+/// Keys with which the coupler admits the participants that it knows.
 struct ServerKeys {
   std::string secret;
   std::set<std::string> clients;  ///< public keys
 };
 
-/// What a participant needs to know its coupler, and to be known.
+/// Keys with which a participant recognises its coupler and is recognised.
 struct ClientKeys {
   std::string secret;
   std::string own_public;

@@ -20,7 +20,7 @@ namespace gabion {
 namespace {
 
 constexpr int room_milliseconds = 1;  // for a peer that reads to make room
-constexpr int waiting_peers = 64;     // between two looks
+constexpr int waiting_peers = 64;     // between two polls
 constexpr std::size_t word = sizeof(std::uint64_t);
 
 // A socket that is bound or connected to the name of an endpoint; none where that fails or the
@@ -94,7 +94,7 @@ bool LocalConnection::send(const std::vector<std::string_view>& frames) {
   return takes_messages();
 }
 
-// @returns how much went; while the peer makes room, all.
+// @returns number of bytes written: all while the peer makes room
 std::size_t LocalConnection::write(std::string_view bytes) {
   std::size_t sent = 0;
   while (sent < bytes.size() && !deaf_) {
@@ -137,14 +137,14 @@ void LocalConnection::read() {
   }
 }
 
-// What came is not understood. @returns false
+// Close the connection because its message is not understood. @returns false
 bool LocalConnection::refuse() {
   closed_ = true;
   came_.clear();
   return false;
 }
 
-// Whether there was a whole message.
+// Take a message from the bytes read. @returns whether there was a whole one
 bool LocalConnection::cut_message() {
   if (came_.size() < word) return false;
   const std::uint64_t count = number_at(came_, 0);
@@ -211,7 +211,7 @@ void LocalListener::accept_all() {
   }
 }
 
-// Connections that have given their route. A route that is taken stays with the first one.
+// Admit connections that have given their route. A route that is taken stays with the first one.
 void LocalListener::welcome_new() {
   for (auto it = nameless_.begin(); it != nameless_.end();) {
     const auto route = it->take();
@@ -227,7 +227,7 @@ void LocalListener::welcome_new() {
 std::optional<RawMessage> LocalListener::take() {
   accept_all();
   if (!nameless_.empty()) welcome_new();
-  // Each in turn, beginning behind the one that was served last.
+  // Connections are served in turn, beginning after the one that was served last.
   auto next = by_route_.upper_bound(last_served_);
   for (std::size_t looked = by_route_.size(); looked > 0; --looked) {
     if (next == by_route_.end()) next = by_route_.begin();

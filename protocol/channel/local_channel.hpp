@@ -20,8 +20,8 @@ namespace gabion {
 using RawMessage = std::vector<std::string>;
 
 /// One end of a stream between two processes of one user on one machine. A message is a count of
-/// frames and their sizes (64-bit, in the machine's order), then their bytes. What the peer's
-/// buffer has no room for is kept and sent by later calls. Nothing here waits longer than a
+/// frames and their sizes (64-bit, in the machine's order), then their bytes. Bytes for which the
+/// peer's buffer has no room are kept and sent by later calls. Nothing here waits longer than a
 /// millisecond without progress.
 class LocalConnection {
  public:
@@ -35,7 +35,8 @@ class LocalConnection {
 
   /// False where the peer has closed.
   bool send(const std::vector<std::string_view>& frames);
-  /// Send what is left, as far as the peer has room, and read what has come, so that it has room.
+  /// Send the remaining bytes, as far as the peer has room, and read arrived ones, so that the peer
+  /// has room.
   void flush();
   /// The oldest message that has come in whole.
   std::optional<RawMessage> take();
@@ -54,13 +55,13 @@ class LocalConnection {
   Descriptor end_;
   std::size_t max_frames_;
   bool closed_ = false;
-  bool deaf_ = false;  // what the peer said before may still be there to read
+  bool deaf_ = false;  // earlier messages of the peer may still be there to read
   std::string unsent_;
   std::string came_;  // bytes of messages that are not complete yet
   std::deque<RawMessage> messages_;
 };
 
-/// The coupler's end: all that have connected, by the route that they give in their first message.
+/// The coupler's end: all connections, by the route that each gives in its first message.
 class LocalListener {
  public:
   /// None where the machine has no such sockets or the name is taken: the other connection remains
@@ -75,7 +76,7 @@ class LocalListener {
   bool has_unsent() const;
   /// One message that has come, the route of its sender first.
   std::optional<RawMessage> take();
-  /// What to wait for: descriptor and whether something is unsent there.
+  /// Descriptors to wait for, and whether bytes are unsent there.
   std::map<int, bool> descriptors() const;
 
  private:

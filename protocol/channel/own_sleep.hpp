@@ -11,8 +11,8 @@
 
 namespace gabion {
 
-/// Notices that this process did not run: it was stopped, or the machine had no time for it. What
-/// others say of it afterwards, they say because of that. Safe to use from several threads.
+/// Notices that this process did not run: it was suspended, or the machine had no time for it.
+/// Complaints of peers after that are its consequence. Safe to use from several threads.
 class OwnSleep {
  public:
   /// A thread that does nothing else calls this again and again.
@@ -25,7 +25,7 @@ class OwnSleep {
     since_sleep_ = Stopwatch();
   }
 
-  /// Length of a sleep that ended a moment ago, or has just ended [s]; 0: there was none.
+  /// Length of a sleep that ended within the last moments [s]; 0: there was none.
   double recent() const {
     const std::lock_guard lock(mutex_);
     const double gap = since_tick_.seconds();
@@ -43,8 +43,8 @@ class OwnSleep {
   double last_ = 0;  // [s]
 };
 
-/// Participants give up a coupler that did not run for long; it must not blame them.
-/// @param reason  that it would give
+/// Reason of a failure after the coupler itself did not run: participants give up a coupler that did
+/// not run for long, and it must not blame them. @param reason  the one that it would give
 inline std::string after_own_sleep(double seconds, const std::string& reason) {
   return fmt::format(
       "the coupler's own process did not run for {:.1f} s: it was stopped, or the machine had no "

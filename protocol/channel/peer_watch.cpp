@@ -66,7 +66,7 @@ std::optional<std::string> PeerWatch::silence(double deadline) const {
 
 std::string PeerWatch::last_words() const {
   const std::lock_guard lock(mutex_);
-  // A heartbeat sent just before the request arrived does not know of it.
+  // A heartbeat sent just before the request arrived still names the phase before.
   const bool idle = phase_ == "waiting" || phase_ == "handshake";
   const std::string& phase = idle && !asked_.empty() ? asked_ : phase_;
   return fmt::format("last sign of life {:.1f} s ago in phase \"{}\"", seconds_since(last_sign_),

@@ -10,7 +10,7 @@
 
 namespace gabion {
 
-/// What is known about one peer's life. Safe to use from several threads.
+/// Signs of life of one peer. Safe to use from several threads.
 class PeerWatch {
  public:
   /// @param label  for messages: `participant "structure" (fem_solver, pid 123)`
@@ -18,15 +18,15 @@ class PeerWatch {
 
   const std::string& label() const { return label_; }
 
-  /// Something came from the peer.
+  /// Note that a message came from the peer.
   void sign_of_life();
-  /// A heartbeat came, which says what the peer does.
+  /// Note a heartbeat, which names the phase of the peer.
   void sign_of_life(const std::string& phase);
-  /// The peer was asked to do this; empty = it has answered.
+  /// Note that the peer was asked to do this; empty = it has answered.
   void asked(const std::string& what);
-  /// What it was asked to do and has not answered yet; empty = nothing.
+  /// The request that it has not answered yet; empty = none.
   std::string question() const;
-  /// This process itself slept: count the peer's silence from now on.
+  /// Count the peer's silence from now on, because this process itself slept.
   void forgive();
 
   /// A sentence when the peer's process on this machine has ended.

@@ -61,7 +61,7 @@ struct Socket::Implementation {
   int linger = 500;                       // [ms]
   std::optional<LocalListener> listener;  // the coupler's, beside the socket
   std::optional<LocalConnection> local;   // the participant's, instead of the socket
-  std::string endpoint, route;            // for a local channel that is still to be tried
+  std::string endpoint, route;            // endpoint of a local channel that is still to be tried
 
   Implementation(std::shared_ptr<SocketContext> shared, zmq::socket_type type)
       : context(std::move(shared)), socket(context->context, type) {
@@ -79,7 +79,7 @@ struct Socket::Implementation {
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
 
-  /// The first message goes: by the local channel if there is one.
+  /// Try the local channel when the first message is sent.
   void try_local() {
     if (endpoint.empty()) return;
     local = LocalConnection::connect(std::exchange(endpoint, {}), max_frames);
@@ -95,8 +95,8 @@ struct Socket::Implementation {
     if (local) local->flush();
   }
 
-  /// Send what is left, take what is there. A participant that computes sends nothing: its answer
-  /// goes before it gets a new request.
+  /// Send the remaining bytes, and take a message that is there. A participant that computes sends
+  /// nothing: its answer goes out before it gets a new request.
   std::optional<RawMessage> take() {
     flush();
     std::optional<RawMessage> message;
@@ -218,7 +218,7 @@ bool Socket::try_send(const std::vector<std::string_view>& frames) {
 bool Socket::send(const std::vector<std::string_view>& frames, bool waits) {
   Implementation& own = *implementation_;
   own.try_local();
-  // A coupler that has gone is noticed by those who watch it, as over the network.
+  // The loss of the coupler is noticed by PeerWatch, as over the network.
   if (own.local) {
     own.local->send(frames);
     return true;
@@ -253,7 +253,7 @@ std::optional<std::vector<std::string>> Socket::receive(int milliseconds,
         return message;
       }
       if (Clock::now() < end_of_look) {
-        std::this_thread::yield();  // the processor goes to whoever else wants it
+        std::this_thread::yield();  // give the processor to other threads
         continue;
       }
       const int left = milliseconds_until(end);

@@ -12,14 +12,14 @@
 
 namespace gabion {
 
-/// The messaging library's state of one process side; sockets of several threads share it.
+/// State of the messaging library in one process; sockets of several threads share it.
 struct SocketContext;
-/// Shared, because it must outlive whichever of the sockets closes last.
+/// Make a context; it is shared, because it must outlive the last socket.
 std::shared_ptr<SocketContext> make_socket_context();
 
 /// A ZeroMQ socket with finite linger and finite send time. To be used by one thread at a time.
 /// Between processes of one machine messages use local_channel.hpp, which wakes no threads of the
-/// library: where both sides have no keys, one endpoint, and the coupler is there when the
+/// library: this needs no keys on either side, one endpoint, and a coupler that is there when the
 /// participant sends its first message.
 class Socket {
  public:
@@ -48,18 +48,18 @@ class Socket {
 
   /// One message, or nothing after `milliseconds` or when a signal came.
   /// Only the first `max_frames` frames of a message are kept.
-  /// @param look  time before sleep in which the processor is kept (Attention)
+  /// @param look  time of polling before sleep (Attention)
   std::optional<std::vector<std::string>> receive(int milliseconds,
                                                   std::chrono::duration<double> look = {});
 
-  /// A participant's, until its first message comes: why the coupler does not let it in.
+  /// Reason why the coupler does not admit a participant, known until its first message comes.
   struct Refusal {
     std::string reason;
     bool is_final = false;  ///< trying again will not help
   };
   std::optional<Refusal> refusal();
 
-  /// Whether what goes to this route stays on this machine, past the network. Coupler's side.
+  /// Whether messages to this route stay on this machine, without the network. Coupler's side.
   bool is_local(const std::string& route) const;
 
   /// Endpoint to which the socket is bound, with the port that it got when `*` was asked for.

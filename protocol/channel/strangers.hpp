@@ -10,15 +10,16 @@
 
 namespace gabion {
 
-/// Senders that are no participants. Each is refused once, then dropped unread. The log names the
-/// first of them and counts the rest, so that nobody can fill it.
+/// Senders that are no participants. Each is refused once; its further messages are dropped unread.
+/// The log names the first senders and counts the others, so that nobody can fill it.
 class Strangers {
  public:
   ~Strangers();
 
-  /// Whether what came on this route is to be dropped, since its sender was refused. Counts it.
+  /// Whether a message on this route is to be dropped, since its sender was refused. Counts the
+  /// message.
   bool drops(const std::string& route);
-  /// This sender is refused, or only not heard. @param what  a sentence for the log
+  /// Refuse this sender, or merely ignore it. @param what  a sentence for the log
   void refuse(const std::string& route, const std::string& what);
 
  private:

@@ -49,7 +49,7 @@ Connection::~Connection() {
     abort(std::string("the participant ended before the run was finished") +
           (by_exception ? ", by an exception that its own output may tell" : ""));
   } catch (const std::exception&) {
-    // Nobody is left to tell: the coupler notices the silence.
+    // The coupler cannot be told; it notices the silence.
   }
 }
 
@@ -111,8 +111,7 @@ void Connection::handshake(const Introduction& introduction) {
   Hello hello = hello_of(settings_, introduction);
   hello.session = session_;
   hello.process = this_process();
-  // One that cannot be sent met a coupler that has closed the connection: the wait for an answer
-  // tells why.
+  // If it cannot be sent, the coupler has closed the connection: the wait for an answer tells why.
   send(to_message(hello));
   const Message answer = await_answer_to_hello();
   if (answer.type == "refused") {
@@ -214,7 +213,8 @@ std::optional<Connection::Request> Connection::receive_request(int milliseconds,
   return Request{std::move(message), std::move(*frames)};
 }
 
-/// Throws when the coupler is lost, or a signal came, unless the run is finished: then its request.
+/// Check the coupler. Throws when it is lost, or a signal came, unless the run is finished: then
+/// returns that request.
 std::optional<Connection::Request> Connection::look_after_coupler(bool was_silent) {
   const double elapsed = since_health_check_.seconds();
   const int signal = interrupt::requested();
@@ -245,8 +245,8 @@ std::optional<Connection::Request> Connection::last_words() {
   return std::nullopt;
 }
 
-/// A launcher sends the signal to all programs; the coupler then ends the run after the step under
-/// way, with a checkpoint.
+/// A launcher sends the signal to all programs; the coupler then ends the run after the current
+/// step, with a checkpoint.
 bool Connection::waits_for_last_checkpoint() {
   if (run_.value("checkpoints", Json()) != true) return false;
   if (!since_signal_) since_signal_.emplace();

@@ -17,8 +17,8 @@
 
 namespace gabion {
 
-/// The coupler refused this participant, or ended the run before its first step. It says why
-/// itself, too.
+/// The coupler refused this participant, or ended the run before its first step. The coupler logs
+/// the reason, too.
 class NeverBegun : public ProtocolError {
  public:
   using ProtocolError::ProtocolError;
@@ -43,7 +43,7 @@ struct ParticipantSettings {
   bool exit_when_coupler_is_lost = true;
 };
 
-/// What a solver says of itself in the handshake.
+/// Data of a solver in the handshake.
 struct Introduction {
   std::vector<InterfaceMesh> interfaces;
   std::vector<std::string> probe_names;
@@ -54,7 +54,7 @@ struct Introduction {
   bool takes_start = false;        ///< request "set_start" will be answered
 };
 
-/// What a participant says of itself; the connection adds its session and process.
+/// The hello of a participant; the connection adds session and process.
 Hello hello_of(const ParticipantSettings& settings, const Introduction& introduction);
 
 /// The participant's end of the wire: one coupler, one thread that talks, one that beats.
@@ -71,27 +71,27 @@ class Connection final : public RequestSource {
   /// Introduce the solver to the coupler.
   /// @throws ProtocolError  refused (the message names both values), or no answer in time
   void handshake(const Solver& solver);
-  /// Sends what a solver would say, in the same way.
+  /// Send these data as those of a solver.
   void handshake(const Introduction& introduction);
   bool welcomed() const { return coupler_ != nullptr; }
   /// Settings of the run, as the coupler gave them. Empty before the handshake.
   const Json& run_settings() const { return run_; }
   const ParticipantSettings& settings() const { return settings_; }
 
-  /// Wait for the coupler's next request. What came counts before what died: "finish" is given also
-  /// when the coupler is gone already.
+  /// Wait for the coupler's next request. Messages that arrived count before a death: "finish" is
+  /// returned also when the coupler is gone already.
   /// @throws ProtocolError  the coupler aborted, died, froze, or asked nothing for too long
   /// @throws Interrupted    a signal came, and nothing that happened to the coupler explains it
   Message next_request(std::vector<std::string>* frames) override;
   Message next_request() { return next_request(nullptr); }
   void reply(Message message) override;
-  /// The last request was "finish" and is answered: wait until the answer is sent, and close.
+  /// Close, after "finish" was answered and the answer is sent.
   void close();
 
   /// Tell the coupler that this participant cannot continue, or, before the handshake, not start.
   /// Does nothing after another failure.
   void abort(const std::string& reason);
-  /// Do something of which the coupler has to know when it fails: abort() and throw on.
+  /// Run an action; when it throws, abort() and throw on, since the coupler has to know.
   template <class Action>
   void guarded(Action action);
 

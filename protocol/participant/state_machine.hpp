@@ -11,7 +11,7 @@
 
 namespace gabion {
 
-/// What one kind of participant does at each request. An empty answer: it follows later.
+/// Actions of one kind of participant at each request. An empty answer follows later.
 class RequestHandler {
  public:
   using Answer = std::optional<Message>;
@@ -32,26 +32,26 @@ class RequestHandler {
   virtual bool is_inside_step() const { return false; }
 };
 
-/// The state machine of a participant (README.md, section 5): which request is allowed when, what
-/// it says, and that steps follow one another. The same for all kinds of participants.
+/// The state machine of a participant (README.md, section 5): which request is allowed when, which
+/// fields it has, and that steps follow one another. It serves all kinds of participants.
 class StateMachine {
  public:
-  /// @param handler     does what is asked; outlives this
+  /// @param handler     carries out the requests; outlives this
   /// @param receives    name of the quantity, as "force"
   /// @param interfaces  on which it is received
   /// @param self        in messages: who does not know an unknown request
   StateMachine(RequestHandler& handler, std::string receives, std::vector<InterfaceMesh> interfaces,
                std::string self);
 
-  /// Have the request done.
+  /// Have the request carried out.
   /// @returns  the answer; empty: it follows later
   /// @throws ProtocolError  not known, not allowed now, or not complete
   std::optional<Message> handle(Message request);
-  /// An answer "solved" that followed later.
+  /// Note an answer "solved" that followed later.
   void solved(const StepRequest& step) { order_.solved(step); }
-  /// "finish" was asked: there is no further request.
+  /// Whether "finish" was asked: there is no further request.
   bool is_finished() const { return finished_; }
-  /// @throws ProtocolError  nobody here does what is asked
+  /// @throws ProtocolError  a request of this type is unknown here
   [[noreturn]] void refuse(const std::string& type) const;
 
  private:

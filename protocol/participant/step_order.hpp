@@ -7,8 +7,8 @@
 
 namespace gabion {
 
-/// The coupler's requests have to follow one another: a step starts where the last accepted one
-/// ended, and what is accepted is what was solved. All functions throw ProtocolError.
+/// Checks that the coupler's requests follow one another: a step starts where the last accepted one
+/// ended, and the accepted step is the solved one. All functions throw ProtocolError.
 class StepOrder {
  public:
   /// Check the request before a solution, and before a step that is accepted without one.
@@ -17,9 +17,9 @@ class StepOrder {
   void solved(const StepRequest& request) { solution_ = request; }
   /// @param with_solution  false: the participant was skipped
   void accept(const StepRequest& request, bool with_solution);
-  /// The last solution is no more.
+  /// Forget the last solution.
   void reject() { solution_.reset(); }
-  /// The accepted state is now one that was loaded, of any step.
+  /// Forget the order: the accepted state was loaded, and is one of any step.
   void forget() { *this = StepOrder(); }
   /// Whether a step was accepted, since the last state was loaded.
   bool has_begun() const { return accepted_.has_value(); }

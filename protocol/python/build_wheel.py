@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Build backend of our packages (PEP 517, PEP 660): `pip install protocol/python`, or of the folder of all, needs no
-network for it, and leaves nothing behind there.
+network, and leaves no files behind there.
 
 pip calls these functions in the folder of pyproject.toml. The package has the name of the project there. With
 `checkout = "FILE"` in the table tool.build_wheel its programs stay in that folder: FILE in the package names it.
@@ -19,7 +19,7 @@ from pathlib import Path
 TAG = "py3-none-any"
 OLDEST = (1980, 1, 1, 0, 0, 0)  # the same files give the same wheel
 
-with contextlib.suppress(OSError, TypeError):  # what importing this file has written beside it
+with contextlib.suppress(OSError, TypeError):  # files that the import of this one has written beside it
     Path(__cached__).unlink()
     Path(__cached__).parent.rmdir()
 
@@ -89,7 +89,7 @@ def build_wheel(wheel_directory: str, config_settings: dict | None = None,
 
 def build_editable(wheel_directory: str, config_settings: dict | None = None,
                    metadata_directory: str | None = None) -> str:
-    """Names this folder: what is changed here counts at once."""
+    """File that names this folder, so that changes here count at once."""
     return write_wheel(wheel_directory, {f"{package()}.pth": f"{Path.cwd()}\n".encode()})
 
 

@@ -184,7 +184,7 @@ Message RemoteSolver::finish(const std::vector<std::string>& allowed) const {
     note_times(reply);
   });
   outstanding_.pop_front();
-  if (!outstanding_.empty()) outstanding_.front().watch = Stopwatch();  // its turn
+  if (!outstanding_.empty()) outstanding_.front().watch = Stopwatch();  // its turn comes now
   return reply;
 }
 

@@ -41,7 +41,7 @@ class RemoteSolver : public AsynchronousSolver, public DisplacedAtStart, public 
   void reject_step() override;
   void write_output(double time) override;
   std::vector<double> probes() const override { return probes_; }
-  /// Asks the participant: call it before Server::finish.
+  /// The participant's summary, which is requested from it: call this before Server::finish.
   Json summary() const override;
   bool keeps_state() const override { return hello_.keeps_state; }
   State save_state() override;

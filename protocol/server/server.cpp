@@ -16,7 +16,7 @@ namespace {
 constexpr double awaited_log_period = 3;  // [s]
 constexpr double late_hello_wait = 1;     // [s] as long as a launcher waits before it ends the rest
 
-/// Disagreements that are seen before the hello is read in full.
+/// Disagreements that are found before the hello is read in full.
 std::vector<Mismatch> compare_versions(const Message& hello) {
   const std::string theirs = hello.text("protocol");
   if (major_version(theirs) == major_version(protocol_version)) return {};
@@ -34,7 +34,7 @@ std::string claimed_name(const Message& hello) {
                                     : "participant " + shortened(*name);
 }
 
-/// Ends the wait when one that is awaited says that it cannot begin. Others are not heard.
+/// End the wait when an awaited participant says that it cannot begin. Others are ignored.
 /// @param awaited  loses its name
 void require_beginning(const Message& abort, std::vector<std::string>& awaited) {
   const std::string name = text_or_empty(abort, "participant");
@@ -138,8 +138,8 @@ std::map<std::string, std::unique_ptr<Solver>> Server::greet_all(
   return solvers;
 }
 
-/// A hello in which something is missing or senseless may be anybody's: its sender is told so, and
-/// the wait goes on.
+/// Read a hello. One in which something is missing or senseless may come from anybody: its sender
+/// is told so, and the wait goes on.
 /// @param awaited  loses the name of one that is understood
 std::optional<Hello> Server::read_or_turn_down(const Switchboard::Arrival& arrival,
                                                std::vector<std::string>& awaited) {

@@ -16,7 +16,7 @@
 
 namespace gabion {
 
-/// A participant says that it cannot begin.
+/// Error: a participant says that it cannot begin.
 class Declined : public ConfigError {
  public:
   Declined(const std::string& message, std::string program)
@@ -67,19 +67,19 @@ class Server {
   std::map<std::string, std::unique_ptr<Solver>> wait_for(const std::vector<Expected>& participants,
                                                           const Json& run = Json::object());
 
-  /// See Switchboard::defer_signals.
+  /// Defer signals, see Switchboard::defer_signals.
   void defer_signals() { switchboard_.defer_signals(); }
 
-  /// See Switchboard::log_waits.
+  /// Log waits, see Switchboard::log_waits.
   void log_waits() { switchboard_.log_waits(); }
 
-  /// The run is complete: every participant ends with success.
+  /// End the complete run: every participant ends with success.
   void finish();
 
   /// Tell all participants that the run has failed, and why.
   void abort(const std::string& reason) { switchboard_.abort(reason); }
 
-  /// What the coupler does, as the participants' messages name it.
+  /// Set the phase of the coupler, as the participants' messages name it.
   void set_phase(const std::string& phase) { switchboard_.set_phase(phase); }
 
  private:

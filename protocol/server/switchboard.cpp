@@ -15,7 +15,7 @@ namespace {
 
 constexpr int slice_milliseconds = 100;       // length of a slice: a death is noticed after one
 constexpr double health_check_period = 0.05;  // [s]
-constexpr int patient_looks = 4;  // looks in which others were heard, until one counts as silent
+constexpr int patient_looks = 4;  // polls in which others were heard, until one counts as silent
 constexpr double last_words_wait = 0.5;  // [s] until the connection of a process that ended closes
 constexpr double closing_wait = 1.0;     // [s] until a process ends that closed its connection
 constexpr double wait_log_period = 3;    // [s]
@@ -45,7 +45,7 @@ Switchboard::~Switchboard() {
   try {
     abort("the coupler ended without finishing the run");
   } catch (const std::exception&) {
-    // Nobody is left to tell: the participants notice the silence.
+    // The participants cannot be told; they notice the silence.
   }
 }
 
@@ -137,7 +137,7 @@ Message Switchboard::wait_reply(const std::string& participant, std::uint64_t se
         attention_.note(asked.kind, Attention::Seconds(waited.seconds()));
         return std::move(*reply);
       }
-      const bool late = asked.since.seconds() > deadlines_.answer;  // judged before the look
+      const bool late = asked.since.seconds() > deadlines_.answer;  // judged before the poll
       listen(&awaited, std::exchange(look, {}));
       refuse_late_arrivals();
       if (!awaited.inbox.empty()) continue;
@@ -213,8 +213,8 @@ void Switchboard::set_phase(const std::string& phase) {
   in_phase_ = Stopwatch();
 }
 
-/// Take what has come, waiting for the first message at most so long. Whether anything came.
-/// Whoever sends without end does not hold up what the caller has to look at.
+/// Take the messages that have come, waiting for the first one at most so long. Returns whether any
+/// came. A sender without end does not hold up the caller's other checks.
 bool Switchboard::pump(int milliseconds, Attention::Seconds look) {
   std::optional<Stopwatch> since_first;
   for (int taken = 0; taken < most_messages_a_pass; ++taken) {
@@ -262,7 +262,7 @@ void Switchboard::dispatch(const std::vector<std::string>& frames) {
   }
 }
 
-/// What a participant said on its main socket.
+/// Take a message of a participant's main socket.
 void Switchboard::take(const std::string& participant, Message message) {
   Peer& from = peer(participant);
   if (from.released) return;
@@ -295,8 +295,8 @@ void Switchboard::refuse_late_arrivals() {
   }
 }
 
-/// Wait a slice for what comes, then look after all participants. Silence is judged before the look
-/// at the queue, deaths and signals after it; none of them matters while the awaited one has
+/// Wait a slice for messages, then check all participants. Silence is judged before the queue is
+/// read, deaths and signals after it; none of them matters once the awaited participant has
 /// answered. @returns whether anything came
 bool Switchboard::listen(const Peer* awaited, Attention::Seconds look) {
   const auto has_answered = [awaited] { return awaited && !awaited->inbox.empty(); };
@@ -337,7 +337,7 @@ bool Switchboard::signal_ends_wait() {
   return since_signal_ && (signals_end_waits_ || since_signal_->seconds() > interrupt::patience());
 }
 
-/// What came counts before what died: last words are taken first.
+/// Check for deaths. Messages that arrived count before a death: last words are taken first.
 void Switchboard::check_deaths(const Peer* awaited) {
   for (const auto& [name, checked] : peers_) {
     if (checked.released) continue;
@@ -345,13 +345,13 @@ void Switchboard::check_deaths(const Peer* awaited) {
     if (!death) continue;
     hear_out(checked);
     if (checked.released) continue;
-    if (awaited && !awaited->inbox.empty()) return;  // whoever is asked next finds the death
+    if (awaited && !awaited->inbox.empty()) return;  // the next request to it finds the death
     throw ProtocolError(*death);
   }
 }
 
-/// All that a process said before it ended: until its connection is closed. Its abort, if that is
-/// there, is the better message.
+/// Take all that a process said before it ended, until its connection is closed. Its abort, if
+/// there is one, is the better message.
 void Switchboard::hear_out(const Peer& gone) {
   const Stopwatch waited;
   bool connected = true;
@@ -381,7 +381,7 @@ void Switchboard::beat_when_due() {
   }
 }
 
-/// Signs of life while the coupler's own thread computes. When that thread waits, it beats itself.
+/// Send signs of life while the coupler's own thread computes; a thread that waits sends its own.
 void Switchboard::beat_in_background() {
   std::unique_lock stop_lock(stop_mutex_);
   const auto period = std::chrono::duration<double>(deadlines_.heartbeat / 4);
@@ -392,7 +392,7 @@ void Switchboard::beat_in_background() {
     try {
       beat_when_due();
     } catch (const std::exception&) {
-      // The coupler's own thread meets the same failure with a caller to tell.
+      // The coupler's own thread finds this failure, too, and can report it to a caller.
     }
   }
 }

@@ -71,8 +71,8 @@ class Switchboard {
 
   /// Send a request; returns its sequence number.
   std::uint64_t send(const std::string& participant, Message request);
-  /// The reply to that request. What came counts before what died: a reply that is there is given,
-  /// and a participant that has said "finished" may end.
+  /// The reply to that request. Messages that arrived count before a death: a reply that is there
+  /// is returned, and a participant that has said "finished" may end.
   /// @throws ProtocolError  this or another participant died, froze, aborted or spoke nonsense; the
   ///                        answer deadline passed
   /// @throws Interrupted    a signal came, and no participant's death explains it
@@ -94,7 +94,7 @@ class Switchboard {
   template <class Action>
   auto guarded(Action action);
 
-  /// What the coupler does, as participants see it in its signs of life.
+  /// Set the phase of the coupler, which participants see in its signs of life.
   void set_phase(const std::string& phase);
 
  private:
@@ -102,7 +102,7 @@ class Switchboard {
     std::uint64_t sequence;
     std::string what;  // text of describe()
     std::string kind;  // whom and of which type, for attention_
-    Stopwatch since;   // its turn came: asked, and the question before it answered
+    Stopwatch since;   // time at which it was asked and the question before it answered
   };
   struct Peer {
     std::string route;
@@ -148,7 +148,7 @@ class Switchboard {
   std::optional<Stopwatch> since_signal_;
   Stopwatch since_health_check_;
   OwnSleep own_sleep_;
-  int silent_looks_ = 0;  // one after the other in which somebody was silent
+  int silent_looks_ = 0;  // in a row in which somebody was silent
 
   std::mutex socket_mutex_;  // guards socket_, heartbeat routes and the members below
   Socket socket_;

@@ -62,7 +62,7 @@ void check_depth(std::string_view header, int max_depth) {
   }
 }
 
-/// What is not printable ASCII becomes a question mark: the text goes to logs and JSON files.
+/// Replace all that is not printable ASCII by question marks: the text goes to logs and JSON files.
 std::string printable(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
@@ -75,7 +75,7 @@ Json parse_header(const std::string& frame, const CodecLimits& limits) {
                          limits.max_header_bytes);
   require<ProtocolError>(!frame.starts_with("\xEF\xBB\xBF"),
                          "header frame: starts with a byte order mark");
-  // The parser takes it for the end of the text, and what follows for nothing.
+  // The parser takes a byte 0 for the end of the text, and ignores what follows.
   require<ProtocolError>(frame.find('\0') == std::string::npos,
                          "header frame is not JSON: holds a byte 0");
   check_depth(frame, limits.max_depth);

@@ -11,7 +11,7 @@
 
 namespace gabion {
 
-/// What a receiver takes at most. Checked before anything of that size is allocated.
+/// Limits of what a receiver accepts, checked before anything of that size is allocated.
 struct CodecLimits {
   std::size_t max_header_bytes = std::size_t{1} << 20;
   std::size_t max_arrays = 256;
@@ -29,8 +29,8 @@ struct EncodedMessage {
 /// @throws ProtocolError  a limit is exceeded, or a shape does not fit its values
 EncodedMessage encode(const Message& message, const CodecLimits& limits = {});
 
-/// Frames back to a message. Any bytes are survived: either the message is whole, or this throws.
-/// Memory used beside the frames: at most 64 times the header's bytes, plus the payload's bytes.
+/// Frames back to a message. For any bytes either the message is whole, or this throws. Memory used
+/// beside the frames: at most 64 times the header's bytes, plus the payload's bytes.
 ///
 /// @param frames  header first, then one frame an array
 /// @throws ProtocolError  says which frame is wrong, what was expected and found

@@ -21,7 +21,7 @@ StepRequest read_step_request(const Message& message);
 
 /// Put the proposed step sizes on which a "solve_step" behind an "accept_step" depends.
 void put(Message& message, const DtRange& range);
-/// Range that the message names; empty: it depends on none.
+/// Range that the message names; empty: the request depends on none.
 std::optional<DtRange> read_dt_range(const Message& message);
 
 void put(Message& message, const StepReport& report);
@@ -41,7 +41,7 @@ InterfaceValues read_values(Message message, const std::string& quantity,
 /// Facts as the field "state", arrays "real:<name>" and "integer:<name>" of one dimension; the path
 /// of a state that is in a file as "file".
 void put(Message& message, const State& state);
-/// Replies to "save" and "load".
+/// Reply to "save".
 Message saved(const State& state);
 Message loaded(const std::vector<double>& probes);
 /// Reply to "set_start".

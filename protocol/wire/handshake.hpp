@@ -18,7 +18,7 @@ inline constexpr const char* protocol_version = "1.4";
 inline constexpr const char* sign_convention =
     "displacement: total from reference; force: by soil on structure";
 
-/// What is exchanged, such as {"displacement", "m"} or {"force", "N"}.
+/// A quantity that is exchanged, such as {"displacement", "m"} or {"force", "N"}.
 struct Quantity {
   std::string name;
   std::string unit;
@@ -34,7 +34,7 @@ inline Quantity force() {
 /// Whether a text is 1 to 64 letters, digits, "_", "-" and ".".
 bool is_participant_name(const std::string& text);
 
-/// What a participant says about itself.
+/// Data of a participant about itself.
 struct Hello {
   std::string protocol = protocol_version;
   std::string participant;  ///< its name in coupler.json: letters, digits, "_", "-", "."
@@ -50,15 +50,15 @@ struct Hello {
   std::vector<std::string> probe_names;
   std::vector<double> probes;      ///< values in the initial state
   InterfaceValues start;           ///< displacements there, of interfaces where any is not zero
-  bool keeps_state = false;        ///< answers to "save" and "load"
-  bool takes_force_kinds = false;  ///< answers to "set_force_kinds"
-  bool takes_start = false;        ///< answers to "set_start"
-  bool takes_next_step = false;    ///< takes "solve_step" before it has answered "accept_step"
+  bool keeps_state = false;        ///< it answers "save" and "load"
+  bool takes_force_kinds = false;  ///< it answers "set_force_kinds"
+  bool takes_start = false;        ///< it answers "set_start"
+  bool takes_next_step = false;    ///< it accepts "solve_step" before it has answered "accept_step"
   bool sends_heartbeat = true;     ///< false: judged by its process and the answer deadline alone
   ProcessIdentity process;
 };
 
-/// What the coupler answers to an accepted hello.
+/// The coupler's answer to an accepted hello.
 struct Welcome {
   std::string protocol = protocol_version;
   std::string program_version;
@@ -67,7 +67,7 @@ struct Welcome {
   Json run = Json::object();  ///< settings of the run: end time, dt, folders, ...
 };
 
-/// What the coupler expects of a participant.
+/// Requirements of the coupler on a participant.
 struct Expected {
   std::string name;
   std::string scene_hash;               ///< empty = any

@@ -21,7 +21,7 @@ LINGER = 500  # [ms] that closing waits for messages that are not sent yet
 
 
 def describe(request: Message) -> str:
-    """`solve_step 57 iteration 3`: what a request asks, for phases and messages."""
+    """`solve_step 57 iteration 3`: a request in words, for phases and messages."""
     if request.type == "solve_step":
         return f"solve_step {request.integer('step')} iteration {request.integer('iteration')}"
     if request.type == "accept_step":
@@ -82,7 +82,7 @@ class Connection:
         self._require_usable()
         if self.welcome:
             raise ProtocolError("the handshake is done already")
-        # One that cannot be sent met a coupler that has closed the connection: the wait for an answer tells why.
+        # If it cannot be sent, the coupler has closed the connection: the wait for an answer tells why.
         self._send(hello(self.settings, self._session, introduction))
         answer = self._await_answer()
         if answer.type == "refused":
@@ -99,8 +99,8 @@ class Connection:
         self.welcome = welcome
 
     def next_request(self) -> Message:
-        """Wait for the coupler's next request. What came counts before what died: "finish" is given also when
-        the coupler is gone already. Raises ProtocolError: it ended the run, died, froze, or asks nothing."""
+        """Wait for the coupler's next request. Messages that arrived count before a death: "finish" is returned also
+        when the coupler is gone already. Raises ProtocolError: it ended the run, died, froze, or asks nothing."""
         self._require_welcomed()
         self._heartbeat.set_phase("waiting", False)
         begin = time.monotonic()
@@ -218,7 +218,8 @@ class Connection:
         return message if message and message.type != "alive" else None
 
     def _look_after_coupler(self, was_silent: bool) -> Message | None:
-        """Raise when the coupler is lost, or a signal came, unless the run is finished: then its request."""
+        """Check the coupler. Raises when it is lost, or a signal came, unless the run is finished: then returns that
+        request."""
         now = time.monotonic()
         if now - self._last_look > OWN_SLEEP:
             self._coupler.forgive()
@@ -246,8 +247,8 @@ class Connection:
         return None
 
     def _waits_for_last_checkpoint(self, now: float) -> bool:
-        """A launcher sends the signal to all programs; the coupler then ends the run after the step under
-        way, with a checkpoint."""
+        """A launcher sends the signal to all programs; the coupler then ends the run after the current step, with a
+        checkpoint."""
         if self._signal_came is None:
             self._signal_came = now
         keeps = bool(self.run_settings().get("checkpoints", False))

@@ -58,7 +58,7 @@ class ParticipantSettings:
 
 @dataclass
 class Welcome:
-    """What the coupler answers to an accepted hello. Times in s."""
+    """The coupler's answer to an accepted hello. Times in s."""
 
     protocol: str
     process: ProcessIdentity
@@ -95,9 +95,9 @@ def check_interfaces(interfaces: Sequence[InterfaceMesh], dimension: int) -> Non
 
 @dataclass
 class Introduction:
-    """What a solver says of itself. `probes`: values in the initial state, as many as names. `keeps_state`:
-    it answers "save" and "load"; `takes_force_kinds`: it answers "set_force_kinds"; `start`: displacements in the
-    initial state [m], of interfaces that begin displaced; `takes_start`: it answers "set_start"."""
+    """Data of a solver in the handshake. `probes`: values in the initial state, as many as names. `keeps_state`: it
+    answers "save" and "load"; `takes_force_kinds`: it answers "set_force_kinds"; `start`: displacements in the initial
+    state [m], of interfaces that begin displaced; `takes_start`: it answers "set_start"."""
 
     interfaces: Sequence[InterfaceMesh]
     probe_names: Sequence[str] = ()
@@ -109,7 +109,7 @@ class Introduction:
 
 
 def hello(settings: ParticipantSettings, session: str, introduction: Introduction) -> Message:
-    """What a participant says about itself."""
+    """Data of a participant about itself."""
     interfaces, probes = introduction.interfaces, introduction.probes
     check_interfaces(interfaces, settings.dimension)
     if len(introduction.probe_names) != len(probes):

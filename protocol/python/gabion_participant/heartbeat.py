@@ -44,7 +44,7 @@ class Heartbeat:
         self._socket.connect(endpoint)
         self._identity = {"participant": participant, "session": session}
         self._ends_process = ends_process
-        self._lock = threading.Lock()  # guards what follows
+        self._lock = threading.Lock()  # guards the following members
         self._phase, self._busy, self._phase_begin = "handshake", False, time.monotonic()
         self._coupler: PeerWatch | None = None
         self._interval, self._silence_deadline = 0.5, 10.0
@@ -53,12 +53,12 @@ class Heartbeat:
         self._thread.start()
 
     def set_phase(self, phase: str, busy: bool) -> None:
-        """busy: the solver computes, so nobody else looks whether the coupler lives."""
+        """busy: the solver computes, so no other thread checks whether the coupler lives."""
         with self._lock:
             self._phase, self._busy, self._phase_begin = phase, busy, time.monotonic()
 
     def watch(self, coupler: PeerWatch, interval: float, silence_deadline: float) -> None:
-        """The handshake is done: `interval` [s] between two signs of life, to and from this coupler."""
+        """Watch this coupler, after the handshake; `interval` [s] between two signs of life, to and from it."""
         with self._lock:
             self._coupler, self._interval, self._silence_deadline = coupler, interval, silence_deadline
 

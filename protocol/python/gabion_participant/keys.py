@@ -19,7 +19,7 @@ MECHANISM_MISMATCH = 0x11000002  # ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH
 
 @dataclass
 class Keys:
-    """What a participant needs to know its coupler, and to be known."""
+    """Keys with which a participant recognises its coupler and is recognised."""
 
     secret: bytes
     own_public: bytes
@@ -32,7 +32,7 @@ class Keys:
 
 
 def read_key(file: str, tag: str) -> bytes:
-    """The one key of a file. Raises UsageError; what is wrong is not quoted, because it may be a secret."""
+    """The one key of a file. Raises UsageError; the wrong text is not quoted, because it may be a secret."""
     try:
         lines = Path(file).read_text(encoding="ascii").splitlines()
     except (OSError, ValueError) as problem:

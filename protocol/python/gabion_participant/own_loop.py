@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the coupler's requests mean to a code that keeps its own time loop."""
+"""The coupler's requests for a code that keeps its own time loop."""
 
 from collections.abc import Callable
 from typing import Any
@@ -14,8 +14,8 @@ ME = "this participant"  # in messages
 
 
 class OwnLoop(RequestHandler):
-    """The current step, as the coupler asked for it and as the code has answered. An answer that has to
-    wait for the code, which has to go back first, say, is pending."""
+    """The current step, as the coupler asked for it and as the code has answered. An answer is pending while it waits
+    for the code, which may have to go back first."""
 
     def __init__(self) -> None:
         self.output: Callable[[float], None] | None = None
@@ -48,7 +48,7 @@ class OwnLoop(RequestHandler):
             raise unknown("set_start", ME)
         self.take_start(displacements)
         self.accepted_probes = list(self.probes.values())
-        self.must_write = True  # what the code may have saved began at the reference
+        self.must_write = True  # a state that the code may have saved began at the reference
         return start_set(self.accepted_probes)
 
     def unnoticed_means(self) -> list[str]:
@@ -62,7 +62,7 @@ class OwnLoop(RequestHandler):
         self.request, self.remaining = step, step.dt
 
     def close_step(self) -> None:
-        """The open solve_step is answered."""
+        """Note that the open solve_step is answered."""
         self.request, self.remaining, self.awaits_verdict = None, 0.0, True
 
     def accept_step(self, _step: StepRequest, was_solved: bool) -> Message | None:
@@ -97,7 +97,7 @@ class OwnLoop(RequestHandler):
             raise unknown("load", ME)
         self.load(read_state(request))
         self.accepted_probes = list(self.probes.values())
-        self.must_write = True  # what the code saved for repeated steps is of another state
+        self.must_write = True  # the state that the code saved for repeated steps is another one
         return loaded(self.accepted_probes)
 
     def summarize(self) -> Message:

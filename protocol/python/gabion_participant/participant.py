@@ -47,7 +47,7 @@ class Participant:
         self._connection: Connection | None = None
         self._loop = OwnLoop()
         self._machine: StateMachine | None = None  # after initialize()
-        self._begin = 0.0  # of the request under way
+        self._begin = 0.0  # of the current request
         self._finished = False
         self._process = os.getpid()
 
@@ -59,13 +59,13 @@ class Participant:
 
     def set_interface(self, name: str, coordinates: np.ndarray, facets: np.ndarray | None = None,
                       force_kind: str = END_OF_STEP) -> None:
-        """A coupled surface; see InterfaceMesh for shapes and units. Before initialize()."""
+        """Set a coupled surface; see InterfaceMesh for shapes and units. Call it before initialize()."""
         self._before_initialize("set_interface")
         self._meshes.append(InterfaceMesh(name, coordinates, facets, force_kind))
 
     def set_start_displacement(self, interface: str, values: np.ndarray) -> None:
-        """Of a structure: displacements of an interface in the initial state [m], num_vertices x dim, where it is
-        displaced: in equilibrium with its weight, say. Before initialize(), after set_interface()."""
+        """Set the displacements of an interface in the initial state [m], num_vertices x dim, of a structure that
+        begins displaced, such as in equilibrium with its weight. Call it before initialize(), after set_interface()."""
         self._before_initialize("set_start_displacement")
         if self._settings.sends != "displacement":
             raise UsageError(f"set_start_displacement: found a participant that sends {self._settings.sends}, "
@@ -80,10 +80,10 @@ class Participant:
         self._start[interface] = array
 
     def on_set_start(self, take: Callable[[InterfaceValues], None]) -> None:
-        """Of a soil: `take(displacements)` [m, of all interfaces] is told where the structures begin. It is called
-        in initialize(), only where one of them is displaced, not in a restart; it calls set_probes() where they
-        change. What read_data() gives remains total, from the reference. It raises where the soil cannot begin
-        so, which ends the run. Before initialize()."""
+        """Set the function `take(displacements)` of a soil, which gets the displacements [m] of all interfaces where
+        the structures begin. It is called in initialize(), only where one of them is displaced, not in a restart; it
+        calls set_probes() where they change. Displacements of read_data() remain total, from the reference. `take`
+        raises where the soil cannot begin so, which ends the run. Call it before initialize()."""
         self._before_initialize("on_set_start")
         if self._settings.receives != "displacement":
             raise UsageError(f"on_set_start: found a participant that receives {self._settings.receives}, "
@@ -99,14 +99,14 @@ class Participant:
         self._loop.probes = dict(values)
 
     def set_output(self, write: Callable[[float], None]) -> None:
-        """`write(time)` [s] is called when the coupler wants the accepted state on disk, which then is the
-        code's current state. Without it the code writes when it likes, such as after
+        """Set the function `write(time)` [s], which is called when the coupler wants the accepted state on disk; this
+        is then the code's current state. Without it the code writes when it likes, such as after
         is_time_window_complete()."""
         self._before_initialize("set_output")
         self._loop.output = write
 
     def set_state(self, save: Callable[[], bytes], load: Callable[[bytes], None]) -> None:
-        """Optional, so that a run with this code can be restarted. Before initialize().
+        """Set the functions with which a run with this code can be restarted (optional). Call it before initialize().
 
         `save()` gives all of the accepted state, which then is the code's current state, that later steps
         depend on, in a form of the code's own. `load(state)` goes on from what `save` gave, in an earlier run
@@ -117,7 +117,7 @@ class Participant:
         self._loop.save, self._loop.load = save, load
 
     def set_summary(self, summary: dict[str, Any]) -> None:
-        """What summary.json shall say of this participant."""
+        """Set the entry of this participant in summary.json."""
         self._loop.summary = dict(summary)
 
     def initialize(self) -> None:
@@ -174,14 +174,14 @@ class Participant:
         return answer
 
     def force_kind(self, interface: str) -> str:
-        """Which force read_data() gives on this interface: END_OF_STEP, or STEP_MEAN, the mean force, which
-        is to act as a constant load over the step. The same in all steps."""
+        """Kind of force that read_data() gives on this interface: END_OF_STEP, or STEP_MEAN, the mean force, which is
+        to act as a constant load over the step. It does not change during a run."""
         self._settle()
         self._loop.asked_force_kind = True
         return self._loop.force_kinds.get(self._mesh(interface).name, END_OF_STEP)
 
     def read_data(self, interface: str) -> np.ndarray:
-        """Received values at the end of the step, num_vertices x dim: force [N] or displacement [m]."""
+        """The received values at the end of the step, num_vertices x dim: force [N] or displacement [m]."""
         self._open_step("read_data")
         self._mesh(interface)
         if self._loop.received:
@@ -192,7 +192,7 @@ class Participant:
             f'the coupler gives no displacement of "{interface}" in this step: the interface is free')
 
     def write_data(self, interface: str, values: np.ndarray) -> None:
-        """Values to send at the end of the step, num_vertices x dim: displacement [m] or force [N]."""
+        """Set the values to send at the end of the step, num_vertices x dim: displacement [m] or force [N]."""
         self._open_step("write_data")
         mesh = self._mesh(interface)
         array = np.array(values, dtype="<f8")
@@ -202,7 +202,7 @@ class Participant:
         self._loop.written[interface] = array
 
     def advance(self, dt: float, report: StepReport | None = None) -> None:
-        """The code has gone on by `dt` [s], at most get_max_time_step_size(). At the end of the step: send
+        """Note that the code has advanced by `dt` [s], at most get_max_time_step_size(). At the end of the step: send
         what was written, and wait for the verdict."""
         request = self._checked_step("advance")
         for name in self._loop.unnoticed_means():
@@ -221,15 +221,15 @@ class Participant:
         self._guarded(self._await_verdict)
 
     def fail_step(self, reason: str) -> None:
-        """Instead of advance(): the open step has no solution. The coupler will try a smaller one; go back to
-        the saved state."""
+        """Call it instead of advance() when the open step has no solution. The coupler will try a smaller one; go back
+        to the saved state."""
         self._checked_step("fail_step")
         self._loop.window_complete = False
         self._answer_step(Message("failed", fields={"reason": reason}))
         self._guarded(self._await_verdict)
 
     def finalize(self) -> None:
-        """Close. Before the end of the coupling: tell the coupler that this participant gives up."""
+        """Close; before the end of the coupling, tell the coupler that this participant gives up."""
         self._leave(None)
 
     def _leave(self, problem: BaseException | None) -> None:

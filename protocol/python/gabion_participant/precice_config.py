@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What precice_names needs of a precice-config.xml: meshes, data, who reads and writes what.
+"""The parts of a precice-config.xml that precice_names needs: meshes, data, who reads and writes what.
 
 Scheme, mappings and communication of that file have no effect here: coupler.json has them
 (docs/precice_names.md).
@@ -19,7 +19,7 @@ OWN_KEYS = ("participants", "interfaces", "quantities")
 
 
 class NotMapped(UsageError):
-    """Something of preCICE that Gabion has not. The message says what there is in its place."""
+    """A feature of preCICE that Gabion lacks. The message says what takes its place."""
 
 
 @dataclass
@@ -68,8 +68,8 @@ class _Elements(xml.sax.ContentHandler):
 
 
 def read_config(path: str | Path, participant: str) -> PreciceConfig:
-    """Raises UsageError for a file that cannot be read or does not name this participant, NotMapped for
-    what the coupling of a soil and a structure does not know."""
+    """Raises UsageError for a file that cannot be read or does not name this participant, NotMapped for features that
+    the coupling of a soil and a structure lacks."""
     path = Path(path)
     elements = _Elements()
     try:
@@ -82,7 +82,7 @@ def read_config(path: str | Path, participant: str) -> PreciceConfig:
 
 
 class _Reader:
-    """Collects what belongs to one participant."""
+    """Collects the settings of one participant."""
 
     def __init__(self, path: Path, participant: str, elements: list[tuple[str, dict[str, str], str]]) -> None:
         self.path, self.participant, self.elements = path, participant, elements

@@ -7,8 +7,8 @@ or without any change, the adapter as it is:
 
     python3 -m gabion_participant.precice_names adapter.py ARGUMENTS --coupler tcp://host:port
 
-The endpoint of the coupler is GABION_COUPLER of the environment, or --coupler among the arguments. What there
-is to know stands in docs/precice_names.md.
+The endpoint of the coupler is GABION_COUPLER of the environment, or --coupler among the arguments. Details are in
+docs/precice_names.md.
 """
 
 import os
@@ -309,14 +309,14 @@ class Participant:
         return self._participant.read_data(mesh.known.interface)
 
     def _complete(self, mesh: _Mesh) -> np.ndarray:
-        """What was written since the last advance(), of every vertex."""
+        """The values written since the last advance(), of every vertex."""
         if mesh.written is None or np.isnan(mesh.written).any():
             raise UsageError(f'advance: values of mesh "{mesh.known.name}" are missing or not a number; '
                              "allowed: write_data for all vertices before each advance")
         return mesh.written
 
     def _compare(self, element: str, found: float | None, key: str) -> None:
-        """The file has it and the run has it: they may differ, but not in silence."""
+        """Warn where a setting of the file differs from that of the run."""
         ours = self._participant.run_settings().get(key)
         if found is not None and ours is not None and found != ours:
             warnings.warn(f"{element} is {found:g} s in {self._config.path}, {key} is {ours:g} s in "

@@ -57,7 +57,7 @@ def is_gone(process: ProcessIdentity) -> bool:
 
 
 class PeerWatch:
-    """What is known about the coupler's life. Safe to use from several threads."""
+    """Signs of life of the coupler. Safe to use from several threads."""
 
     def __init__(self, label: str, process: ProcessIdentity) -> None:
         self.label = label
@@ -73,7 +73,7 @@ class PeerWatch:
                 self._phase = printable(phase)
 
     def forgive(self) -> None:
-        """This process itself slept: count the peer's silence from now on."""
+        """Count the peer's silence from now on, because this process itself slept."""
         with self._lock:
             self._silent_from = time.monotonic()
 

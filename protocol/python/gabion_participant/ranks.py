@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """serve_ranks(solver, settings, comm): a solver on the ranks of an MPI communicator behind one socket.
 
-Rank 0 has the connection and gives each request on; every rank answers it with its part of the solver, and the answer
+Rank 0 has the connection and passes each request on; every rank answers it with its part of the solver, and the answer
 of rank 0 is sent. So a solver is written as MPI codes are: each function is called on all ranks with the same values.
 `comm` is a communicator of mpi4py; nothing here imports that.
 """

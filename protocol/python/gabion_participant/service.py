@@ -33,7 +33,7 @@ def takes_start(solver: Solver) -> bool:
 
 
 def checked_solution(answer: Any) -> tuple[InterfaceValues, StepReport]:
-    """What solve_step returned. Raises UsageError."""
+    """Check the values that solve_step returned. Raises UsageError."""
     allowed = "allowed: (values, StepReport), values a dict of interface name -> array"
     if not isinstance(answer, tuple) or len(answer) != 2:
         raise UsageError(f"solve_step: found {type(answer).__name__} as its answer, {allowed}")
@@ -45,7 +45,7 @@ def checked_solution(answer: Any) -> tuple[InterfaceValues, StepReport]:
 
 
 def checked_report(answer: Any) -> AcceptReport:
-    """What accept_step returned. Raises UsageError."""
+    """Check the report that accept_step returned. Raises UsageError."""
     if not isinstance(answer, AcceptReport):
         found = type(answer).__name__
         raise UsageError(f"accept_step: found {found} as its answer, allowed: an AcceptReport")
@@ -130,7 +130,7 @@ class Service(RequestHandler):
 
 
 def serve(solver: Solver, settings: ParticipantSettings) -> None:
-    """Do what the coupler asks until the run is finished.
+    """Carry out the coupler's requests until the run is finished.
 
     A ConvergenceError of solve_step is told to the coupler, which decides what to do. Any other exception is
     told to the coupler too, with its type and the function that raised it, ends the run and goes on to the
@@ -141,7 +141,7 @@ def serve(solver: Solver, settings: ParticipantSettings) -> None:
 
 
 def introduce(solver: Solver, connection: Connection) -> None:
-    """The handshake, with what the solver says of itself."""
+    """Do the handshake, with the solver's data."""
     sends_displacement = connection.settings.sends == "displacement"
     connection.handshake(Introduction(solver.interfaces(), solver.probe_names(), solver.probes(),
                                       keeps_state(solver), takes_force_kinds(solver),
@@ -157,8 +157,8 @@ def reason(problem: BaseException, under_way: str) -> str:
 
 
 def serve_over(solver: Solver, connection: Connection, give_on: Callable[[Message], None] | None = None) -> None:
-    """The same over a connection that the caller made, so as to read run_settings() after its handshake.
-    give_on: called with each request before it is answered (ranks.py)."""
+    """Like serve(), over a connection that the caller made, so as to read run_settings() after its handshake. give_on:
+    called with each request before it is answered (ranks.py)."""
     if connection.welcome is None:
         introduce(solver, connection)
     service = Service(solver, connection.settings)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a solver is, seen from outside: meshes, requests, reports (protocol/README.md, sections 3 to 5)."""
+"""A solver seen from outside: meshes, requests, reports (protocol/README.md, sections 3 to 5)."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 
-# What interface forces say of a step: the force at its end, or the mean force, which is to act as a constant
-# load over the step (protocol/README.md, section 3).
+# Kinds of interface forces: that at the end of a step, or its mean, which is to act as a constant load over the step
+# (protocol/README.md, section 3).
 END_OF_STEP, STEP_MEAN = "end_of_step", "step_mean"
 
 
@@ -19,10 +19,9 @@ class InterfaceMesh:
     """The surface through which a solver is coupled, in its reference configuration.
 
     coordinates: [m], num_vertices x dim
-    facets:      num_facets x 2, 3 or 4 vertex numbers from 0; None for bare points. Normals point out of the
-                 structure: in 2D to the right of the way from the first vertex to the second, in 3D by the
-                 right hand
-    force_kind:  of the forces that a soil sends: END_OF_STEP or STEP_MEAN
+    facets: num_facets x 2, 3 or 4 vertex numbers from 0; None for bare points. Normals point out of the structure: in
+    2D to the right when going from the first vertex to the second, in 3D by the right hand force_kind: of the forces
+    that a soil sends: END_OF_STEP or STEP_MEAN
     """
 
     name: str
@@ -53,7 +52,7 @@ class StepRequest:
 
 @dataclass
 class StepReport:
-    """What a solver says about one solution, for the tables of the run."""
+    """A solver's report on one solution, for the tables of the run."""
 
     newton_iterations: int = 0
     linear_iterations: int = 0
@@ -63,7 +62,7 @@ class StepReport:
 
 @dataclass
 class AcceptReport:
-    """What a solver says when a step was accepted."""
+    """A solver's report on an accepted step."""
 
     at_rest: bool = False  # nothing moves and the load is balanced: steps without new load may be skipped
     proposed_dt: float = 0.0  # [s], 0 = no opinion
@@ -102,9 +101,9 @@ class Solver(ABC):
         results, "end" and "dt" [s]; "check", true where nothing shall be written (protocol/README.md, section 4)."""
 
     def set_force_kinds(self, kinds: Mapping[str, str]) -> None:
-        """Which forces a structure will receive, by interface: END_OF_STEP or STEP_MEAN. Optional. Comes before
-        the first step, unless all are END_OF_STEP. Without it STEP_MEAN forces are taken for those of the end
-        of the step, and the coupler warns."""
+        """Kinds of the forces that a structure will receive, by interface: END_OF_STEP or STEP_MEAN. Optional. The call
+        comes before the first step, unless all are END_OF_STEP. Without it STEP_MEAN forces are taken for those of the
+        end of the step, and the coupler warns."""
         raise NotImplementedError
 
     def start_displacements(self) -> InterfaceValues:
@@ -113,9 +112,9 @@ class Solver(ABC):
         return {}
 
     def set_start(self, displacements: InterfaceValues) -> None:
-        """Where the interfaces of a soil begin [m]. Optional. Comes before the first step of a run that is no
-        restart (a saved state has it), and only if any is displaced. What solve_step receives remains the
-        displacement from the reference. Without it the soil learns of them in its first step, and the coupler
+        """Displacements with which the interfaces of a soil begin [m]. Optional. The call comes before the first step
+        of a run that is no restart (a saved state has it), and only if any is displaced. Displacements that solve_step
+        receives remain those from the reference. Without it the soil learns of them in its first step, and the coupler
         warns."""
         raise NotImplementedError
 

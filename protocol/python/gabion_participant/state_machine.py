@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which request is allowed when, what it says, and who does it (protocol/README.md, section 5)."""
+"""The state machine of a participant: which request is allowed when, and what carries it out (protocol/README.md,
+section 5)."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -12,14 +13,14 @@ from .step_order import StepOrder
 
 
 class RequestHandler(ABC):
-    """What one kind of participant does at each request. None as an answer: it follows later."""
+    """Actions of one kind of participant at each request. The answer None: it follows later."""
 
     @abstractmethod
     def set_force_kinds(self, kinds: dict[str, str]) -> Message | None:
-        """Which forces will be received, by interface."""
+        """Take the kinds of the forces that will be received, by interface."""
 
     def set_start(self, displacements: InterfaceValues) -> Message | None:
-        """Where the interfaces begin."""
+        """Take the displacements with which the interfaces begin."""
         raise ProtocolError('the coupler asked for "set_start" of a participant that takes none')
 
     @abstractmethod
@@ -36,19 +37,19 @@ class RequestHandler(ABC):
 
     @abstractmethod
     def write_output(self, time: float) -> Message | None:
-        """The accepted state, at this time [s]."""
+        """Write the accepted state, at this time [s]."""
 
     @abstractmethod
     def save_state(self) -> Message | None:
-        """The accepted state."""
+        """Save the accepted state."""
 
     @abstractmethod
     def load_state(self, request: Message) -> Message | None:
-        """Another accepted state."""
+        """Load another accepted state."""
 
     @abstractmethod
     def summarize(self) -> Message | None:
-        """What summary.json shall say."""
+        """The participant's entry in summary.json."""
 
     def is_inside_step(self) -> bool:
         """Whether the code's current state may be another one than the accepted one."""
@@ -56,13 +57,12 @@ class RequestHandler(ABC):
 
 
 def unknown(kind: str, me: str) -> ProtocolError:
-    """Nobody here does what is asked."""
+    """Refuse a request of an unknown type."""
     return ProtocolError(f'the coupler asked for "{kind}", which {me} does not know')
 
 
 class StateMachine:
-    """The same for all kinds of participants. `me`: who does not know an unknown request, for its
-    message."""
+    """Serves all kinds of participants. `me`: name of this one in the message about an unknown request."""
 
     def __init__(self, handler: RequestHandler, receives: str, interfaces: Sequence[InterfaceMesh],
                  me: str) -> None:
@@ -82,7 +82,7 @@ class StateMachine:
             "finish": (self._finish, True)}
 
     def handle(self, request: Message) -> Message | None:
-        """Have the request done. Returns the answer; None: it follows later. Raises ProtocolError: not known,
+        """Have the request carried out. Returns the answer; None: it follows later. Raises ProtocolError: not known,
         not allowed now, or not complete."""
         if request.type not in self._rules:
             raise unknown(request.type, self._me)
@@ -92,7 +92,7 @@ class StateMachine:
         return action(request)
 
     def solved(self, step: StepRequest) -> None:
-        """An answer "solved" that followed later."""
+        """Note an answer "solved" that followed later."""
         self._order.solved(step)
 
     def _set_force_kinds(self, request: Message) -> Message | None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The coupler's requests have to follow one another."""
+"""The order of the coupler's requests."""
 
 import sys
 
@@ -8,8 +8,8 @@ from .solver import StepRequest
 
 
 class StepOrder:
-    """A step starts where the last accepted one ended, and what is accepted is what was solved. All functions
-    that check raise ProtocolError."""
+    """Checks that a step starts where the last accepted one ended, and that the accepted step is the solved one. All
+    functions that check raise ProtocolError."""
 
     def __init__(self) -> None:
         self._accepted: StepRequest | None = None  # None before the first accepted step
@@ -39,11 +39,11 @@ class StepOrder:
                                 f"accepted state is that of {end} s")
 
     def solved(self, request: StepRequest) -> None:
-        """`request` has a solution."""
+        """Note that `request` has a solution."""
         self._solution = request
 
     def accept(self, request: StepRequest, with_solution: bool) -> None:
-        """`with_solution` false: the participant was skipped."""
+        """Note an accepted step; `with_solution` false: the participant was skipped."""
         self.check(request)
         if with_solution:
             found = self._solution
@@ -55,9 +55,9 @@ class StepOrder:
         self._accepted, self._solution = request, None
 
     def reject(self) -> None:
-        """The last solution is no more."""
+        """Forget the last solution."""
         self._solution = None
 
     def forget(self) -> None:
-        """The accepted state is now one that was loaded, of any step."""
+        """Forget the order: the accepted state was loaded, and is one of any step."""
         self._accepted = self._solution = None
