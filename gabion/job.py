@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A run under way: started through scripts/run, followed by what it writes."""
+"""A run in progress: started through scripts/run, followed by its output."""
 
 import math
 import os
@@ -65,7 +65,7 @@ def follow(folder: str | Path, interval: float = INTERVAL) -> Iterator[Progress]
 
 
 class Job:
-    """A run that was started here. It goes on while nobody looks, and ends with `stop`."""
+    """A run that was started here. It goes on without being watched, and ends with `stop`."""
 
     def __init__(self, scene: Path, output: Path | None, words: list[str]):
         """words: options of scripts/run; output: None for a check, which has no results."""
@@ -92,7 +92,7 @@ class Job:
 
     @property
     def log(self) -> str:
-        """What scripts/run and the programs have said so far."""
+        """Messages of scripts/run and the programs so far."""
         size = os.fstat(self._log).st_size  # read from the start: the position belongs to the programs, which write
         return os.pread(self._log, size, 0).decode(errors="replace")
 
@@ -123,7 +123,7 @@ class Job:
         self._process.wait()
 
     def finish(self) -> str:
-        """Wait for the end; what was said. @raises RunError  the exit code is not 0"""
+        """Wait for the end; returns the messages. @raises RunError  the exit code is not 0"""
         try:
             code = self._process.wait()
         except BaseException:  # also the interruption of a notebook

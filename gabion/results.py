@@ -27,7 +27,7 @@ class Picture:
 
 
 class Results(reader.Results):
-    """What a results folder holds (docs/results.md), SI units; in 2D forces and energies are per metre.
+    """Contents of a results folder (docs/results.md), SI units; in 2D forces and energies are per metre.
 
         results.probes["front"]            # [num_steps + 1], over results.probes["time"]
         results.steps["dt"]                # [num_steps]

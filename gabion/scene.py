@@ -55,7 +55,7 @@ class Scene:
         return copy.deepcopy(value)
 
     def __setitem__(self, path: str, value: Any) -> None:
-        """Set a value: a number, word, list or object, also one of numpy. Missing objects on the way are made.
+        """Set a value: a number, word, list or object, also one of numpy. Missing objects along the path are made.
 
         @raises SettingError  an unknown key, an entry behind the end of a list, a value that the key does not allow
         """
@@ -98,7 +98,7 @@ class Scene:
         return node_at(path).keys
 
     def describe(self, path: str) -> str:
-        """What a key means, with its unit and default."""
+        """Meaning of a key, with its unit and default."""
         return node_at(path).description
 
     def paths(self) -> list[str]:
@@ -106,7 +106,7 @@ class Scene:
         return [f"{file}:{pointer}" for file, content in self._files.items() for pointer in _leaves(content, "")]
 
     def _ipython_key_completions_(self) -> list[str]:
-        """What a notebook offers behind scene[": what is set, and what may be set beside it."""
+        """Completions of a notebook behind scene[": paths that are set, and that may be set beside them."""
         found = self.paths()
         above = dict.fromkeys(path.rpartition("/")[0] for path in found)
         return sorted({*found, *(f"{place}/{key}" for place in above for key in _node(place).keys)})
@@ -160,7 +160,7 @@ _MISSING = object()
 
 
 def _entry(place: Any, key: str, path: str) -> Any:
-    """What is below a key; _MISSING where an object has it not. @raises SettingError  a list has no such entry"""
+    """Value below a key; _MISSING where an object lacks it. @raises SettingError  a list has no such entry"""
     if isinstance(place, list):
         if not key.isdigit() or int(key) >= len(place):
             raise SettingError(f"{path}: found entry {key}, allowed: 0 to {len(place) - 1}")

@@ -67,7 +67,7 @@ class Node:
 
     @property
     def description(self) -> str:
-        """What it is, with unit and default."""
+        """Meaning of the key, with unit and default."""
         texts = [each["description"] for each in self._schemas if "description" in each]
         defaults = [each["default"] for each in self._schemas if "default" in each]
         return (texts[0] if texts else "") + (f" Default: {json.dumps(defaults[0])}." if defaults else "")
@@ -103,7 +103,7 @@ class Node:
 
 
 def _allowed(error: Any) -> str:
-    """What a description asks for, in words. error: of jsonschema"""
+    """Requirements of a description, in words. error: of jsonschema"""
     rule, value = error.validator, error.validator_value
     words = {"type": "{}", "enum": "one of {}", "minimum": ">= {}", "exclusiveMinimum": "> {}", "maximum": "<= {}",
              "exclusiveMaximum": "< {}", "minItems": "at least {} of them", "maxItems": "at most {} of them",
@@ -126,7 +126,7 @@ def _expanded(schemas: list[dict], whole: dict) -> Iterator[dict]:
 
 
 def node_at(path: str) -> Node:
-    """The place that a path leads to. @raises SettingError  a key on the way is unknown"""
+    """The place that a path leads to. @raises SettingError  a key along the path is unknown"""
     file, keys = split(path)
     if file not in FILES:
         raise SettingError(f'{path}: found file "{file}", allowed: {", ".join(FILES)}{nearest(file, list(FILES))}')

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pages of docs/measured: what a command found, with version, machine and date."""
+"""Pages of docs/measured: results of a command, with version, machine and date."""
 
 import datetime
 import os

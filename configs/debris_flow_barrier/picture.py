@@ -21,9 +21,9 @@ INSTANTS = (1.0, 2.0, 3.0, 5.0)  # [s]
 
 
 def shares_of_water(results: Results) -> tuple[np.ndarray, np.ndarray]:
-    """Times, and the part of the water in the total stress across the barrier at the points that touch it.
+    """Times, and the part of the water in the total stress across the barrier at the points in contact with it.
 
-    A point touches it within three quarters of its side. NaN: none pushes.
+    A point is in contact within three quarters of its side. NaN: no point pushes.
     """
     soil, shares = results.frames_of_soil(), []
     for k in range(len(soil)):

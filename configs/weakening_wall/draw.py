@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Force on the wall, its bending and its damage: draw.py RESULTS INTACT, with the results of this scene and of the same
-one with LARGEST_DAMAGE = 0. Writes damage.png."""
+"""Force on the wall, its bending and its damage: draw.py RESULTS INTACT, with the results of this scene as it is and
+with LARGEST_DAMAGE = 0. Writes damage.png."""
 
 import csv
 import sys

@@ -43,8 +43,8 @@ class OwnSleep {
   double last_ = 0;  // [s]
 };
 
-/// Reason of a failure after the coupler itself did not run: participants give up a coupler that did
-/// not run for long, and it must not blame them. @param reason  the one that it would give
+/// Reason of a failure after the coupler itself did not run: participants give up a coupler that
+/// did not run for long, and it must not blame them. @param reason  the one that it would give
 inline std::string after_own_sleep(double seconds, const std::string& reason) {
   return fmt::format(
       "the coupler's own process did not run for {:.1f} s: it was stopped, or the machine had no "

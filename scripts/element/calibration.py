@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Least squares of parameters of a law against tests of a laboratory, and what the tests say of each of them."""
+"""Least squares of parameters of a law against tests of a laboratory, and how well the tests determine each of them."""
 
 import tempfile
 from concurrent.futures import ThreadPoolExecutor

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a laboratory plots, from the table of element_test and from tables of a laboratory.
+"""Curves that a laboratory plots, from the table of element_test and from tables of a laboratory.
 
 Compression is positive. Curves begin at the end of consolidation, the excess of pore pressure at zero there.
 """

@@ -18,7 +18,7 @@ class ElementError(Exception):
 
 @dataclass(frozen=True)
 class Options:
-    """What a test is made of. None: not given."""
+    """Data of a test. None: not given."""
 
     confine: float | None = None  #: effective stress after consolidation [Pa]
     strain: float | None = None  #: axial strain or angle of shear at the end, or amplitude of the cycles
@@ -67,7 +67,7 @@ def _sheared(options: Options, consolidation: dict, component: str, **keys: obje
 
 
 def isotropic(options: Options) -> list[dict]:
-    """The same stress on all sides."""
+    """Equal stress in all directions."""
     return _loaded(options, ("xx", "yy", "zz"))
 
 

@@ -20,7 +20,7 @@ class Sought:
 
     @property
     def width(self) -> float:
-        """What z = 1 is: of the value, or of its natural logarithm."""
+        """Width of the range of z: of the value, or of its natural logarithm."""
         return math.log(self.high / self.low) if self.by_log else self.high - self.low
 
     def value(self, z: float) -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What was measured, and what a run has in its place."""
+"""Measured data, and the values of a run in their place."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,7 +40,7 @@ class OverTime:
         return curve.at(time)
 
     def course(self, results: Results) -> tuple[np.ndarray, np.ndarray]:
-        """For a picture: abscissa and values where the run has them."""
+        """Abscissa and values of the run, for a picture."""
         curve = curve_of(results, self.table, self.column)
         return curve.time, curve.values
 
@@ -121,7 +121,7 @@ class DataSet:
     source: Source
 
     def predicted(self, results: Results) -> np.ndarray:
-        """What the run has in their place. @raises ResultsError  it lacks that"""
+        """Values of the run in their place. @raises ResultsError  it lacks them"""
         return self.source.of(results, self.at, self.where)
 
 
@@ -135,7 +135,7 @@ class MeasuredTable(MeasuredCsv):
                 raise PlanError(f"{self.where}: found the unit {unit!r} of {name}, allowed: {', '.join(UNITS)}")
 
     def quantity(self, name: str) -> str:
-        """What its unit is of; empty: it names none."""
+        """Quantity of its unit; empty: it names no unit."""
         unit = self.column(name).unit
         return "" if unit is None else UNITS[unit][0]
 
@@ -145,5 +145,5 @@ class MeasuredTable(MeasuredCsv):
         return 1.0 if unit is None else UNITS[unit][1]
 
     def numbers(self, name: str) -> np.ndarray:
-        """In SI units. @raises PlanError  no such column, or what is no finite number"""
+        """Values of a column in SI units. @raises PlanError  no such column, or a value that is no finite number"""
         return self.factor(name) * super().numbers(name)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Picture of a fit: what was measured against what the best run has."""
+"""Picture of a fit: measured data against the best run."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Least squares between bounds with restarts, and what the data say of each parameter."""
+"""Least squares between bounds with restarts, and how well the data determine each parameter."""
 
 import itertools
 from collections.abc import Sequence
@@ -55,7 +55,7 @@ class Search:
 
 @dataclass(frozen=True)
 class Minimum:
-    """Where a start has come to. cost: half the sum of squared misfits."""
+    """End of one start. cost: half the sum of squared misfits."""
 
     z: np.ndarray
     cost: float
@@ -99,7 +99,7 @@ class Slopes:
 
 
 def search(sought: Sequence[Sought], model: Model, how: Search) -> list[Minimum]:
-    """Where the starts have come to, the best one first.
+    """Ends of the starts, the best one first.
 
     @raises FitError  no sample has an answer
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Misfits of a scene against what was measured, by runs that are kept."""
+"""Misfits of a scene against measured data, by runs that are kept."""
 
 from pathlib import Path
 
@@ -15,8 +15,8 @@ REFUSED = (2, 3)  # exit codes: settings that are refused together, a step that 
 
 
 class FitStudy(Study):
-    """The runs of a fit in a folder, as those of a study; which ones there are shows as the fit goes on. The same
-    command asks for the same ones again, which are there then."""
+    """The runs of a fit in a folder, as those of a study; which runs there are follows from the fit. A repeated command
+    asks for these runs again and finds them there."""
 
     def __init__(self, plan: FitPlan, folder: Path, at_once: int | None):
         super().__init__(plan, folder, at_once)
@@ -54,11 +54,11 @@ class FitStudy(Study):
         return [self._misfit(self.run_at(z)) for z in points]
 
     def run_at(self, z: np.ndarray) -> Outcome:
-        """A run that was asked for."""
+        """Note a run that was asked for."""
         return self._at[self._key(z)]
 
     def predicted(self, z: np.ndarray) -> list[np.ndarray]:
-        """What a completed run has in the place of each data set."""
+        """Values of a completed run in the place of each data set."""
         return self._predicted[self.run_at(z).case.number]
 
     def results(self, z: np.ndarray) -> Results:

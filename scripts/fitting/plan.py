@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plan of a fit: a scene, parameters between bounds, what was measured (docs/studies.md)."""
+"""Plan of a fit: a scene, parameters between bounds, measured data (docs/studies.md)."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -142,7 +142,8 @@ def _read_parameter(name: str, reader: PlanReader) -> FitParameter:
 
 
 def _read_search(fit: PlanReader, parameters: list[FitParameter], count: int) -> Search:
-    """The usual values suit runs whose answers scatter a little, and take time. count: of measured values."""
+    """Settings of the search; the defaults suit runs whose answers scatter a little, and that take time. count: of
+    measured values."""
     def whole(key: str, otherwise: int, least: int) -> int:
         return fit.whole(key, least) if key in fit.values else otherwise
 

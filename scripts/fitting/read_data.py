@@ -65,7 +65,7 @@ def _from_table(name: str, reader: PlanReader, folder: Path, source: Source, axe
 
 
 def _from_raster(name: str, reader: PlanReader, folder: Path, source: OverPlan, dimension: int) -> DataSet:
-    """Each cell with data is a value."""
+    """A raster, of which each cell with data is a value."""
     if dimension != 3:
         raise reader.fail("file", "a CSV file: the plan of a two-dimensional scene is a line")
     for key in ("over", "value"):
@@ -103,7 +103,7 @@ def _deviation(reader: PlanReader, table: MeasuredTable, column: str) -> np.ndar
 
 
 def _require_once(at: np.ndarray, over: tuple[str, ...], table: MeasuredTable, where: str) -> None:
-    """A place or time that comes twice would count twice."""
+    """Refuse a place or time that comes twice, which would count twice."""
     _, first, count = np.unique(at, axis=0, return_index=True, return_counts=True)
     if (count > 1).any():
         place = ", ".join(f"{name} {value:.9g}" for name, value in zip(over, at[first[np.argmax(count > 1)]]))

@@ -57,7 +57,7 @@ def _remarks_of_parameters(parameters: list[FitParameter], fit: Fit, slopes: Slo
 
 
 def _remarks_of_ends(study: FitStudy, fit: Fit, ends: list[Minimum]) -> list[str]:
-    """Of the starts: one that did not end, or ended elsewhere with a misfit as good."""
+    """Remarks on the starts: one that did not end, or ended elsewhere with an equally small misfit."""
     found = []
     parameters = study.plan.parameters
     if not ends[0].converged:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sums over the rows of a run as they come: how its steps ended, what they took, what its ledgers say."""
+"""Sums over the rows of a run as they come: how its steps ended, their cost, and its balances."""
 
 import re
 from collections import Counter
@@ -136,6 +136,6 @@ class Cuts:
             return self.reasons.most_common()
         words = Counter()
         for verdict, count in self.verdicts.items():
-            solver = verdict in ("going_on", *FINE)  # the iteration was not to blame
+            solver = verdict in ("going_on", *FINE)  # the iteration was not the cause
             words["a solver found no solution" if solver else verdict.replace("_", " ")] += count
         return words.most_common()

@@ -169,5 +169,5 @@ def plot_faces(name: str, series: Series, faces: list[Face], times: list[float] 
 
 
 def plot_contacts(results: Results, times: list[float] | None, out: Path) -> list[Path | None]:
-    """Boulders have a picture of their own."""
+    """The frames without boulders, which have a picture of their own."""
     return [plot_contact(results, name, series, times, out) for name, series in results.surfaces.items()]

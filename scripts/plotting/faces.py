@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Upright faces of a surface that soil touches, and the pressure over their height."""
+"""Upright faces of a surface in contact with soil, and the pressure over their height."""
 
 from dataclasses import dataclass
 

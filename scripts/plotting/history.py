@@ -44,8 +44,8 @@ def displacement_columns(table: Table, point: str) -> list[str]:
 def _probe_curves(runs: dict[str, Results]) -> dict[tuple[str, str], dict[str, tuple[str, Table]]]:
     """(point, axis) -> label of a run -> (column, table) where it has that point.
 
-    The axis is "up" for the vertical one, so that y of a run in the plane meets z of one in space.
-    What is below 1e-6 of the largest displacement of all is round-off and left out.
+    The axis is "up" for the vertical one, so that y of a run in the plane meets z of one in space. Displacements below
+    1e-6 of the largest of all are round-off and left out.
     """
     curves: dict[tuple[str, str], dict[str, tuple[str, Table]]] = {}
     size: dict[tuple[str, str], float] = {}
@@ -97,9 +97,9 @@ def plot_probes(runs: dict[str, Results], out: Path, name: str = "probes.png") -
 def plot_residuals(results: Results, out: Path) -> Path | None:
     """Residual of every coupling iteration, on a logarithmic scale.
 
-    Left: the iterations of all steps in a row, the first and the last of each step in colours of
-    their own, the allowed residual as a line; the upper scale gives the time. Right: the steps
-    around the one with most iterations, a line a step over the iterations within it.
+    Left: the iterations of all steps in a row, the first and the last of each step in distinct colours, the allowed
+    residual as a line; the upper scale gives the time. Right: the steps around the one with most iterations, a line a
+    step over the iterations within it.
     """
     table = results.table("iterations.csv")
     if table is None or not table.num_rows:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A results folder that is read on while a run writes it: tables, log, and what has come of the run."""
+"""A results folder that is read while a run writes it: tables, log, and the outcome of the run."""
 
 import csv
 import math
@@ -14,7 +14,7 @@ from plotting.results import RESOLVED, SUMMARY, ResultsError, is_completed, obje
 
 STEPS_SHOWN = 60
 QUIET = 10  # [s] without a new row from which on somebody asks why
-LOST = 60  # [s] the same where no process can be asked
+LOST = 60  # [s] without a new row where no process can be asked
 HERE = re.compile(r'participant "([^"]+)" \(([^ ,]+)(?: [^,]*)?, pid (\d+)\) is here')
 
 
@@ -44,7 +44,7 @@ class Tail:
 
 
 class State(Enum):
-    """What has come of a run."""
+    """Outcome of a run."""
 
     COMPLETED = "completed"
     FAILED = "failed"
@@ -59,7 +59,7 @@ class State(Enum):
 
 
 class Run:
-    """What a results folder tells so far.
+    """Contents of a results folder so far.
 
     end: simulated time [s] at which the run is done, NaN if not known; steps: the last rows of steps.csv;
     iterations: the rows of iterations.csv of the last step tried; account, ledger, cuts: sums over all rows;
@@ -104,7 +104,7 @@ class Run:
         self.summary = self.summary if summary is None else summary
 
     def is_there(self) -> bool:
-        """Whether a run has written here, be it its signature alone."""
+        """Whether a run has written here, even if only its signature."""
         return any((self.folder / name).exists() for name in (MARKER, LOCK, RESOLVED, SUMMARY, *self._tails))
 
     def _read_settings(self) -> None:
@@ -139,7 +139,7 @@ class Run:
 
     @property
     def reason(self) -> str:
-        """Why it was not completed."""
+        """Reason why it was not completed."""
         return (self.summary or {}).get("reason") or self._error or "no reason given"
 
     def checkpoint(self) -> int | None:

@@ -25,7 +25,7 @@ from gabion_participant import process  # noqa: E402
 
 
 class Owner(Enum):
-    """What the lock file of a run says."""
+    """Content of the lock file of a run."""
 
     NONE = "there is no lock file"
     ENDED = "the run has ended"
@@ -90,8 +90,8 @@ def _open_locked(path: Path, operation: int) -> int:
 @contextlib.contextmanager
 def writing(folder: Path, script: str, shared: bool = False) -> Iterator[None]:
     """Hold a lock: while it lasts no run moves the folder away, and no second script of this name writes there, but for
-    others of its kind where all are `shared`. A run under way goes on: it writes other files. Raises ResultsError: a
-    run is just beginning there, or the same script is at work."""
+    others of its kind where all are `shared`. A run in progress continues: it writes other files. Raises ResultsError:
+    a run is just beginning there, or the same script is at work."""
     if not folder.is_dir():
         raise ResultsError(f"{folder}: no such results folder")
     with contextlib.ExitStack() as stack:

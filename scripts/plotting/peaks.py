@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a flow does to each cell of the plan over the frames of a run: depth, speed, pressure, time of arrival."""
+"""Largest values of a flow in each cell of the plan over the frames of a run: depth, speed, pressure, time of
+arrival."""
 
 from dataclasses import dataclass
 

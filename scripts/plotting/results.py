@@ -29,7 +29,7 @@ class Table:
         if not rows:
             raise ResultsError(f"{path}: empty")
         self.names = rows[0]
-        # A run under way or a killed one may leave half a row at the end, or half a number at the end of a row.
+        # A run in progress or a killed one may leave half a row at the end, or half a number at the end of a row.
         body = rows[1:] if text.endswith("\n") else rows[1:-1]
         if any(len(row) != len(self.names) for row in body):
             raise ResultsError(f"{path}: rows with another number of cells than the head")
@@ -141,7 +141,8 @@ class Series:
         return int(np.argmin(np.abs(self.times - time)))
 
     def nearest_within(self, time: float) -> int:
-        """The same, for the option --time. @raises ResultsError  a time before the first or after the last frame"""
+        """Number of the frame for the option --time. @raises ResultsError  a time before the first or after the last
+        frame"""
         require_time("--time", time, float(self.times[0]), float(self.times[-1]))
         return self.nearest(time)
 
@@ -181,7 +182,7 @@ class Series:
 
 
 def object_of(path: Path) -> dict | None:
-    """The object in a JSON file of a run; None: there is no file, or a run under way has written half of it."""
+    """The object in a JSON file of a run; None: there is no file, or a run in progress has written half of it."""
     if not path.exists():
         return None
     try:
@@ -191,13 +192,13 @@ def object_of(path: Path) -> dict | None:
 
 
 def is_completed(summary: dict | None) -> bool:
-    """Whether a summary.json says that its run came to its end. One that does not say so did not, as for the
+    """Whether a summary.json says that its run came to its end. Without that statement it did not, as for the
     programs."""
     return summary is not None and summary.get("completed") is True
 
 
 class Results:
-    """What a results folder holds; what is missing is None."""
+    """Contents of a results folder; missing parts are None."""
 
     def __init__(self, folder: Path):
         if not folder.is_dir():

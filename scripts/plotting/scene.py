@@ -155,7 +155,7 @@ class ScenePlot:
         if not self.soil:
             return
         values = np.concatenate([scalar(f.fields[self.field]) for f in self._sample(self.soil)])
-        # A few far-flung points must not use up the scale.
+        # A few points that fly far must not take up the whole scale.
         low, high = np.nanmin(values), np.nanpercentile(values, 99.5)
         self.norm = Normalize(low, high if high > low else low + 1)
         self.beyond = "max" if np.nanmax(values) > 1.01 * high else "neither"

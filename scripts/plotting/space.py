@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A scene in space as one sees it: surface of the soil, deformed structures, rigid walls, shaded. No display is
+"""A scene in space as it is seen: surface of the soil, deformed structures, rigid walls, shaded. No display is
 needed."""
 
 from dataclasses import dataclass
@@ -94,8 +94,8 @@ def box_side(low: list[float], high: list[float], side: str) -> np.ndarray:
 
 
 def rigid_walls(results: Results) -> list[np.ndarray]:
-    """Those that are sides of boxes, at their place at the start; the bottom of the grid where there is none, nor
-    terrain.
+    """The rigid walls that are sides of boxes, at their place at the start; the bottom of the grid where there is none,
+    nor terrain.
     """
     settings = results.settings("mpm.json")
     walls = []
@@ -164,8 +164,8 @@ class SpacePlot(ScenePlot):
 
     def _with_ground(self, polygons: list, shaded: np.ndarray, normals: np.ndarray,
                      depths: np.ndarray) -> tuple[list, np.ndarray, np.ndarray, np.ndarray]:
-        """What is drawn, and the ground before it: ground hides what lies behind it by more than the size of its
-        triangles."""
+        """Polygons that are drawn, with the ground first: ground hides polygons that lie behind it by more than the
+        size of its triangles."""
         own = normals_of(self.ground)
         size = np.linalg.norm(self.ground[:, 1] - self.ground[:, 0], axis=1) + np.linalg.norm(
             self.ground[:, 2] - self.ground[:, 0], axis=1)
@@ -175,7 +175,8 @@ class SpacePlot(ScenePlot):
                 np.concatenate([behind, depths]))
 
     def draw(self, axes: Axes, time: float) -> ScalarMappable | None:
-        """Sides of boxes first, then all else from the back to the front; what is turned away is left out."""
+        """Order of drawing: sides of boxes first, then all else from the back to the front; polygons turned away are
+        left out."""
         parts = self._soil_parts(time) if self.soil else []
         solids = [self._structure_faces(structure, time) for structure in self.structures]
         for faces in (*solids, *self._beam_faces(time)):

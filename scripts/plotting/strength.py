@@ -3,7 +3,7 @@
 
 
 def strength_search(summary: dict | None) -> str | None:
-    """What the search says of the slope; None: the run had none."""
+    """Result of the search in words; None: the run had none."""
     solver = (summary or {}).get("solver")
     search = solver.get("strength_reduction") if isinstance(solver, dict) else None
     if not search:

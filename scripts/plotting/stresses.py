@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the cells of a structure are coloured by: stresses, plastic strain, damage and cracks."""
+"""Fields by which the cells of a structure are coloured: stresses, plastic strain, damage and cracks."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a run did, in about ten lines."""
+"""Summary of a run, in about ten lines."""
 
 import numpy as np
 

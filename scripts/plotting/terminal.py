@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a terminal of 100 columns shows of a running simulation."""
+"""Lines on a running simulation for a terminal of 100 columns."""
 
 import math
 import textwrap

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is to be said of a run, in words: how it ended, whether it converged, what it waited for, what it conserved.
+"""The verdict on a run in words: how it ended, whether it converged, what it waited for, what it conserved.
 
 scripts/watch and scripts/report say the same.
 """
@@ -15,7 +15,7 @@ from plotting.lock import Owner
 from plotting.words import count, duration, percent, seconds
 
 SLOW = 10  # medians from which on a step is slow
-CLOSED, OPEN = 1e-3, 1e-2  # of the energy or momentum that went around: closed below, open above
+CLOSED, OPEN = 1e-3, 1e-2  # of the energy or momentum exchanged: closed below, open above
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Statement:
 
 
 def verdict(run: Run) -> list[Statement]:
-    """All that can be said so far. `run` must have been read."""
+    """All statements so far. `run` must have been read."""
     return [statement for part in (_end, _convergence, _cuts, _time, _soil, _structures, _interface)
             for statement in part(run)]
 
@@ -133,7 +133,7 @@ def _time(run: Run) -> Iterator[Statement]:
 
 
 def _slow_steps(run: Run, slow: list[int], share: str) -> str:
-    """Which they are and who was waited for. slow: their places in the rows."""
+    """Which steps are slow, and which participant was waited for. slow: their places in the rows."""
     steps = run.account
     worst = max(slow, key=steps.wall.__getitem__)
     text = (f" {count(len(slow), 'slow step')}, over {SLOW} times that, took {share} of the time; the slowest "
@@ -152,7 +152,7 @@ def _judged(topic: str, share: float, text: str) -> Statement:
 
 
 def _soil(run: Run) -> Iterator[Statement]:
-    """The ledger of each soil (docs/theory/soil.md)."""
+    """The energy and momentum balance of each soil (docs/theory/soil.md)."""
     ledger, unit = run.ledger, run.ledger.per_metre
     for prefix in ledger.owners("energy_balance"):
         name = prefix.rstrip(".") or "soil"

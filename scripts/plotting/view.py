@@ -23,7 +23,7 @@ def up_axis(dim: int, gravity: list[float] | None) -> int:
 
 @dataclass(frozen=True)
 class View:
-    """What is drawn to the right and what upwards.
+    """The axes that are drawn to the right and upwards.
 
     across, up: axes 0 to 2; inverted: gravity points along +up, so that axis is drawn downwards;
     dim: of the scene.
@@ -51,7 +51,7 @@ class View:
         return np.argsort(depth, kind="stable")
 
     def faces(self, points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-        """What is drawn of a mesh, num_faces x corners.
+        """The faces of a mesh that are drawn, num_faces x corners.
 
         In 2D its cells, in space the outer faces that are turned to the eye.
         """

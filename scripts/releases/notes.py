@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Notes of a release from CHANGELOG.md, and whether all that names the version agrees."""
+"""Notes of a release from CHANGELOG.md, and whether all files that name the version agree."""
 
 import re
 from pathlib import Path
@@ -19,7 +19,7 @@ def version_of(checkout: Path) -> str:
 
 
 def _found(path: Path, expression: str, words: str) -> str:
-    """What the group of an expression has found in a line of a file."""
+    """Text that the group of an expression finds in a line of a file."""
     found = re.search(expression, path.read_text(encoding="utf-8"), re.MULTILINE)
     if not found:
         raise ReleaseNotesError(f"{path}: found no line {words}")

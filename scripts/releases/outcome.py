@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a release has and what came out there, as a row of the table."""
+"""Versions and results on a release, as a row of the table."""
 
 import json
 import re

@@ -16,12 +16,12 @@ NOT_TRACKED = {"build", "results"}  # of a checkout: what it makes
 
 
 class ReleaseError(Exception):
-    """What stands in the way, and what helps."""
+    """The obstacle, and its remedy."""
 
 
 @dataclass(frozen=True)
 class Release:
-    """What debootstrap has to know of a release."""
+    """Data of a release for debootstrap."""
 
     title: str
     mirror: str
@@ -72,7 +72,7 @@ class Root:
         return self.folder / MARKER
 
     def state(self) -> dict:
-        """What is kept of earlier calls: release, whole, and what the steps noted."""
+        """Record of earlier calls: release, whole, and the notes of the steps."""
         return json.loads(self._marker.read_text(encoding="utf-8"))
 
     def note(self, **facts: object) -> None:
@@ -98,7 +98,7 @@ class Root:
         return True
 
     def make(self, mirror: str | None) -> None:
-        """By debootstrap, in the present folder of the root.
+        """Make the root by debootstrap, in its present folder.
 
         @raises ReleaseError  debootstrap or the keys of the release are missing, or debootstrap failed
         """
@@ -118,8 +118,8 @@ class Root:
         self.note(whole=True)
 
     def copy_tree(self, source: Path) -> int:
-        """The tracked files of a checkout as they are now; files that are the same stay untouched, so that only what
-        depends on others is built again. Number of files that were written or removed."""
+        """Copy the tracked files of a checkout as they are now; equal files stay as they are, so that only what depends
+        on others is built again. Returns the number of files that were written or removed."""
         listed = subprocess.run(["git", "-C", str(source), "ls-files", "-z"], capture_output=True, check=True).stdout
         tracked = {name for name in map(os.fsdecode, listed.split(b"\0")) if name and os.path.lexists(source / name)}
         changed = 0
@@ -144,7 +144,7 @@ class Root:
         return subprocess.run(self.command(*words), check=False).returncode
 
     def answer(self, *words: str) -> str:
-        """What a command inside prints; empty: it failed."""
+        """Output of a command inside; empty: it failed."""
         done = subprocess.run(self.command(*words), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
                               check=False)
         return done.stdout.strip() if done.returncode == 0 else ""

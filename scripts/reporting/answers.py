@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is asked of a run first, as numbers: factor of safety, displacements, forces, impact coefficient, moments,
+"""The first answers on a run, as numbers: factor of safety, displacements, forces, impact coefficient, moments,
 pressures, run-up, volume past a surface, flow at gauges, stability."""
 
 import re
@@ -36,7 +36,7 @@ Row = tuple[str, str]  # what is asked, answer
 
 
 def parts(base_friction: float | None = None) -> list[Callable[[Results], list[Row]]]:
-    """What makes the rows, in the order in which they are asked; what a run does not have has none.
+    """The functions that make the rows, in their order; rows that a run lacks are left out.
 
     base_friction: coefficient under footings, None: not known.
     """
@@ -97,7 +97,7 @@ def displacements(results: Results) -> list[Row]:
 
 
 def forces(results: Results) -> list[Row]:
-    """Force on the structure with its impulse, on each of several surfaces, and on rigid walls that stand in the way.
+    """Force on the structure with its impulse, on each of several surfaces, and on upright rigid walls.
     """
     table, rows = results.table("steps.csv"), []
     if table is not None and table.num_rows:
@@ -153,7 +153,7 @@ def impact_words(results: Results, impact: Impact) -> str:
 
 
 def boulder_forces(results: Results) -> list[Row]:
-    """What boulders have of the force on each interface, with their impulse."""
+    """Part of the boulders in the force on each interface, with their impulse."""
     table, unit = results.table("probes.csv"), results.per_metre
     rows = []
     for column in boulder_parts(table):
@@ -236,7 +236,7 @@ def removed_mass(results: Results) -> float:
 
 
 def members(results: Results) -> list[Row]:
-    """What is asked of sections, ropes, brakes, metal and concrete of structures, over all steps."""
+    """Rows on sections, ropes, brakes, metal and concrete of structures, over all steps."""
     table, unit, rows = results.table("probes.csv"), results.per_metre, []
     names = table.names if table is not None and table.num_rows else []
     several = len({found["who"] for found in map(MEMBER.match, names) if found}) > 1
@@ -261,7 +261,7 @@ def members(results: Results) -> list[Row]:
 
 
 def place_of(found: re.Match, several: bool) -> str:
-    """What a column of a structure is of; other columns have other places. several: structures."""
+    """Owner of a column of a structure; other columns have other places. several: structures."""
     who, group = found["who"], found["group"]
     if group and who and (several or group == who):
         return f"{who}.{group}"
@@ -269,7 +269,7 @@ def place_of(found: re.Match, several: bool) -> str:
 
 
 def gauges(results: Results) -> list[Row]:
-    """What passed each gauge, such as one on a crest, and the flow there."""
+    """Soil that passed each gauge, such as one on a crest, and the flow there."""
     table, unit = results.table("probes.csv"), results.per_metre
     rows = []
     density = one_density(results)

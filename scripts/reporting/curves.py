@@ -176,7 +176,8 @@ def _tells(table: Table, begin: int, end: int) -> bool:
 
 
 def _chosen(table: Table, tries: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """As many tries as fit, in their order: those that did not converge, the longest, then evenly spread ones."""
+    """The tries to show, as many as fit, in their order: those that did not converge, the longest, then evenly spread
+    ones."""
     if sum(end - begin for begin, end in tries) <= MAX_ROWS:
         return tries
     first = sorted(range(len(tries)), key=lambda k: (table["status"][tries[k][1] - 1] == "converged",

@@ -155,9 +155,9 @@ def sliding(held: Held, pressed: np.ndarray, friction: float | None) -> str:
 
 
 def overturning(results: Results, held: Held, pressed: np.ndarray) -> str:
-    """Where the resultant acts and, where the outline of the underside is known, the safety: distance of its edge
-    over that of the resultant from its middle, the same as the moment of the upward reaction about that edge over
-    the moment that turns it."""
+    """Where the resultant acts and, where the outline of the underside is known, the safety: distance of its edge over
+    that of the resultant from its middle, which equals the moment of the upward reaction about that edge over the
+    moment that turns it."""
     time, place = held.time[pressed], held.resultant[pressed]
     far = np.linalg.norm(place, axis=1)
     up = up_axis(results.dim, results.gravity)

@@ -82,7 +82,8 @@ def _answers(rows: list[tuple[str, str]], beside: list[tuple[str, str]] | None, 
 
 
 def _or_problem(read: Any, results: Results, problems: list[str]) -> Any:
-    """What cannot be read, as a file that is half written, is said on the page, and left out."""
+    """Run a part of the page; a part that cannot be read, such as a half-written file, is named on the page and left
+    out."""
     try:
         return read(results)
     except (ResultsError, OSError, KeyError) as error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What keeps its shape, boulders and rigid walls, in few bytes: a surface, and its pose in each frame."""
+"""Rigid bodies, boulders and rigid walls, in few bytes: a surface, and its pose in each frame."""
 
 import base64
 from collections.abc import Iterable

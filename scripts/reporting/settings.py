@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Settings of a run as its programs read them, and what a reader wants to know of them first."""
+"""Settings of a run as its programs read them, and a selection for the reader."""
 
 from pathlib import Path
 from typing import Any

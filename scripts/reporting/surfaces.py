@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Surfaces that soil touches, each by itself: moment about its own foot, pressure over the height of its upright
+"""Surfaces in contact with soil, each by itself: moment about its own foot, pressure over the height of its upright
 faces."""
 
 from dataclasses import dataclass

@@ -25,7 +25,7 @@ NOT_FOUND = 127
 
 
 class Relay:
-    """Passes on output as it comes and knows the end of it."""
+    """Passes on output as it comes and keeps the end of it."""
 
     def __init__(self, process: subprocess.Popen) -> None:
         self._selector = selectors.DefaultSelector()
@@ -54,7 +54,7 @@ class Relay:
 
 
 def write_all(target: int, text: bytes) -> None:
-    """The command continues where nobody reads any more."""
+    """Let the command continue when nobody reads its output any more."""
     try:
         while text:
             text = text[os.write(target, text):]
@@ -104,7 +104,7 @@ def tell_coupler_aside(*message: str) -> None:
 
 
 class Command:
-    """Ends with the same signal as this process; is killed where this process is."""
+    """Make the command end with the signal that ends this process, and be killed where this process is."""
 
     def __init__(self, words: list[str]) -> None:
         self.stopped_by = 0

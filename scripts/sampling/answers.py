@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a study asks of each run: numbers and curves over time."""
+"""Answers that a study takes from each run: numbers and curves over time."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which values the parameters have in each point of a study."""
+"""Values of the parameters in each point of a study."""
 
 import itertools
 from dataclasses import dataclass
@@ -103,7 +103,7 @@ def points_of(parameters: list[Parameter], design: Design, correlations: np.ndar
 
 
 def _values(parameters: list[Parameter], shares: np.ndarray) -> list[dict[str, Any]]:
-    """A value a parameter for each row of shares."""
+    """Values of the parameters, for each row of shares."""
     columns = [parameter.at(column) for parameter, column in zip(parameters, shares.T)]
     return [dict(zip((parameter.name for parameter in parameters), row)) for row in zip(*columns)]
 

@@ -21,7 +21,7 @@ SHARE = f"{CONFIDENCE:.0%} confidence"
 
 
 class Evaluation:
-    """Writes what the completed runs of a study say together; what is left out and why is said.
+    """Writes the evaluation of the completed runs of a study; it reports what is left out and why.
 
     answers: of each name [num_points], means over the repeats of a point, NaN without a completed run.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""CSV files with what was measured, in a laboratory or on a site: one reader for all of them."""
+"""CSV files of measurements, in a laboratory or on a site: one reader for all of them."""
 
 import csv
 import re

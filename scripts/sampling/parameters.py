@@ -30,7 +30,7 @@ class Parameter:
     variants: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def settings(self, value: Any) -> dict[str, Any]:
-        """Path -> value of what one of its values sets."""
+        """Path -> value of the settings that one of its values sets."""
         return self.variants[value] if self.variants else {path: value for path in self.paths}
 
     @property

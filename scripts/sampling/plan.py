@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A plan: a scene, parameters, a design, and what is asked of the runs (docs/studies.md)."""
+"""A plan: a scene, parameters, a design, and the answers to take from the runs (docs/studies.md)."""
 
 import sys
 from dataclasses import dataclass

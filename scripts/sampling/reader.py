@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Values of a plan, read strictly: what is wrong is said with the place in the file."""
+"""Values of a plan, read strictly: errors name the place in the file."""
 
 import json
 import math

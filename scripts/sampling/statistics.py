@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the answers of many runs say together."""
+"""Statistics of the answers of many runs."""
 
 from dataclasses import dataclass
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run a plan into a folder, again and again until all runs are there, and write what they say together."""
+"""Run a plan into a folder, again and again until all runs are there, and write their evaluation."""
 
 import json
 import math
@@ -24,7 +24,7 @@ RUNS = "runs"
 
 @dataclass
 class Outcome:
-    """What has come of a case. status: completed, or why not; answers: NaN where there is none."""
+    """Outcome of a case. status: completed, or why not; answers: NaN where there is none."""
 
     case: Case
     label: str
@@ -72,7 +72,7 @@ class Study:
             mark.write_text(text, encoding="utf-8")
 
     def forget_failed(self) -> None:
-        """Runs that came to a step that cannot be solved are to be run again."""
+        """Let runs that came to a step that cannot be solved be run again."""
         for outcome in self.outcomes:
             output = self.runner.folder / outcome.label
             if output.is_dir() and not Results(output).completed:
@@ -84,7 +84,7 @@ class Study:
         return first if first < number else None
 
     def run(self, chosen: list[Outcome]) -> None:
-        """Run what is not there yet. A run that fails is said, and the others go on.
+        """Run the cases that are missing. A run that fails is reported, and the others go on.
 
         @raises ResultsError  a completed run lacks what the plan asks for: no further run begins
         """
@@ -115,7 +115,7 @@ class Study:
         outcome.answers = {answer.name: math.nan for answer in self.plan.answers}
 
     def _take(self, outcome: Outcome, results: Results) -> None:
-        """What the plan asks for. @raises ResultsError  it is not there"""
+        """The answers that the plan asks for. @raises ResultsError  they are not there"""
         outcome.answers = {answer.name: answer.of(results) for answer in self.plan.answers}
         outcome.curves = {name: curve_of(results, *place) for name, place in self.plan.bands.items()}
 

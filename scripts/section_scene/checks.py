@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is allowed in the plan of a section but hardly meant: units and sizes."""
+"""Warnings of values in the plan of a section that are allowed but hardly meant: units and sizes."""
 
 import numpy as np
 

@@ -91,7 +91,7 @@ def bounds_in(plan: Plan, x: np.ndarray) -> np.ndarray:
 
 def pieces_of(low: np.ndarray, high: np.ndarray,
               inside: list[tuple[float, float]]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Bottom and top, on both sides, of what is left of a column without the parts between two heights."""
+    """Bottom and top, on both sides, of the parts of a column without those between two heights."""
     parts = [(low, high)]
     for bottom, top in inside:
         parts = [cut for a, b in parts for cut in ((a, np.minimum(b, bottom)), (np.maximum(a, top), b))]
@@ -149,7 +149,7 @@ def lay_soil(plan: Plan) -> tuple[list[Mass], Line]:
 
 
 def simplified(line: Line) -> Line:
-    """The same line without points in straight parts."""
+    """A line without the points in its straight parts."""
     slopes = line.slopes()
     bends = np.abs(np.diff(slopes)) > 1e-9
     keep = np.concatenate([[True], bends, [True]])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a section is made from: a JSON file, read strictly by the reader of plans on terrain."""
+"""The plan of a section: a JSON file, read strictly by the reader of plans on terrain."""
 
 from dataclasses import dataclass, field
 from pathlib import Path

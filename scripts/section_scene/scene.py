@@ -146,7 +146,7 @@ def soil_settings(made: Made) -> dict:
 
 
 def wet_groups(made: Made) -> list[str]:
-    """Groups of the wall's facets that soil can touch: the underside too where soil lies below it."""
+    """Groups of the wall's facets that soil can reach: the underside too where soil lies below it."""
     left, right = made.plan.wall.reach()
     below = made.base.at(np.linspace(left, right, 33)).min()
     return ["faces", "foot"] if below < made.wall.middle[1] - 1e-9 * made.plan.cell_size else ["faces"]
@@ -172,7 +172,7 @@ def weight_of(made: Made) -> float:
 
 
 def write_scene(made: Made, folder: Path) -> list[str]:
-    """Write the files; returns what to say of them."""
+    """Write the files; returns messages on them."""
     folder.mkdir(parents=True, exist_ok=True)
     lines = []
     if made.origin.any():

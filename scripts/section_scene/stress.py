@@ -11,8 +11,8 @@ WATER_DENSITY = 1000.0  # [kg/m^3], that of the soil's `water` too
 
 
 def table_below_ground(plan: Plan, origin: float) -> None:
-    """origin: what the heights are less of [m]. @raises TerrainError  water stands above the ground or needs a
-    porosity"""
+    """origin: height that was subtracted from the heights [m]. @raises TerrainError  water stands above the ground or
+    needs a porosity"""
     if plan.table is None:
         return
     lowest = float(plan.ground.z.min())

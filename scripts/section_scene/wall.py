@@ -29,7 +29,7 @@ class WallMesh:
 
 
 def pieces_between(places: list[float], size: float) -> list[tuple[float, float, int]]:
-    """Two neighbours of the places each, and into how many pieces of at most `size` the way between them goes."""
+    """Pairs of neighbouring places, and the number of pieces of at most `size` between them."""
     cuts = sorted(set(places))
     return [(a, b, max(1, int(np.ceil((b - a) / size - 1e-9)))) for a, b in zip(cuts[:-1], cuts[1:])]
 
@@ -44,7 +44,8 @@ def build_wall(plan: Plan, base: Line) -> WallMesh:
     size = min(plan.cell_size / 2, plan.wall.thickness / LEAST_THROUGH)
     parts = holes(plan)
     along = pieces_between([v for left, right, _, _ in parts for v in (left, right)], size)
-    # At the ground beside it the wall gets a row of nodes: what soil touches begins there where the base is the ground.
+    # The wall gets a row of nodes at the ground beside it, since its surface in contact with soil begins there where
+    # the base is the ground.
     heights = [v for _, _, bottom, top in parts for v in (bottom, top)] + [lowest_ground(plan)]
     up = pieces_between(heights, size)
     count = sum(number for *_, number in along) * sum(number for *_, number in up)

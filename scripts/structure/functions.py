@@ -33,7 +33,7 @@ def without_texts(source: str) -> str:
 
 
 def _kind(head: str, outer: str) -> str:
-    """What a brace opens: the code since the last statement, and what it stands in."""
+    """A block that a brace opens: the code since the last statement, and the block around it."""
     if re.search(r"\bnamespace\b", head) or re.search(r'extern\s+""\s*$', head):
         return "namespace"
     if outer not in ("namespace", "type"):

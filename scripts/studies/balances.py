@@ -44,7 +44,7 @@ def mean_acceleration(run: Measured, last: int) -> float:
 
 
 def acceleration_by_force(run: Measured, wall: str, along: float, last: int) -> float:
-    """The same of gravity and the force of a rigid wall. @param along  gravity along x [m/s^2]"""
+    """Mean acceleration by gravity and the force of a rigid wall. @param along  gravity along x [m/s^2]"""
     taken = impulse(force_on_wall(run, wall), run, 0, last)
     return along - taken / float(soil(run, "mass")[0] * times(run)[last])
 
@@ -65,7 +65,7 @@ def last_kept(run: Measured) -> int:
 
 
 def ledger_rows(run: Measured, unit: float, name: str) -> list[Row]:
-    """The ledger of the soil at the end, and before some of it leaves the grid.
+    """The energy and momentum balance of the soil at the end, and before some of it leaves the grid.
 
     @param unit  of energy [J]; name: of that unit
     """

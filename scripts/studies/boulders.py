@@ -90,7 +90,7 @@ class Outcome:
 
 
 def energies(results: Results) -> tuple[np.ndarray, np.ndarray]:
-    """Of soil and boulder together, and of the boulder less the works on it [J/m]."""
+    """Energy of soil and boulder together, and of the boulder less the works on it [J/m]."""
     table = results.table("probes.csv")
     boulder = table["boulders_kinetic_energy"] - table["boulders_gravity_work"] + table["boulder_contact_energy"]
     soil = sum(table[f"{kind}_energy"] for kind in ("kinetic", "elastic", "contact")) - table["gravity_work"]

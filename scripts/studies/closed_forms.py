@@ -50,7 +50,7 @@ def bent_axis(stations: np.ndarray, forces: np.ndarray, moments: np.ndarray, sti
 
 
 def _behind(values: np.ndarray) -> np.ndarray:
-    """For each interval between stations the sum over the stations behind it."""
+    """Sum over the stations behind each interval between stations."""
     return np.cumsum(values[::-1], axis=0)[::-1][1:]
 
 

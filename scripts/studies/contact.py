@@ -87,7 +87,7 @@ def energy_balance(run: Measured) -> float:
 
 
 def answers_of(ensembles: dict[str, list[Measured]]) -> Iterator[tuple]:
-    """For each number of ANSWER that of all runs, ensemble by ensemble."""
+    """Values of each number of ANSWER in all runs, ensemble by ensemble."""
     return zip(*(zip(*map(answer_of, runs)) for runs in ensembles.values()))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs of one scene that differ by what should not decide: what they share is the answer.
+"""Runs of one scene that differ by details which should not matter: their common part is the answer.
 
 A body of soil that hits something amplifies round-off, so one run is one sample. Runs that part in the heap only
 still share one arrival: a wall at other places of its cell gives each an arrival of its own.

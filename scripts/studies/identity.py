@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What makes two runs the same: scene, settings, version."""
+"""Identity of a run: scene, settings, version."""
 
 import hashlib
 import json

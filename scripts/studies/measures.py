@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Numbers that runs are compared by."""
+"""Numbers by which runs are compared."""
 
 from dataclasses import dataclass
 
@@ -45,7 +45,7 @@ def relative_rms(curve: Curve, reference: Curve) -> float:
 
 
 class Measured:
-    """What the studies ask of one run."""
+    """Answers of one run to the studies."""
 
     def __init__(self, results: Results, point: str = "A"):
         self.results = results

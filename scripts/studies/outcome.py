@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is asked of every run of the stability sweep: its end, energy, momentum and points."""
+"""Answers of every run of the stability sweep: its end, energy, momentum and points."""
 
 import re
 from dataclasses import dataclass

@@ -25,7 +25,7 @@ def run_out_law(a: float) -> float:
 
 
 def height_law(a: float) -> float:
-    """H / L0 of the same."""
+    """H / L0 of Lube et al. (2005)."""
     return a if a < 1.15 else a**0.4
 
 
@@ -43,7 +43,7 @@ def of_ratio(a: float) -> list[str]:
 
 @dataclass
 class Deposit:
-    """What is left of a column, by its initial width L0."""
+    """Deposit of a column, by its initial width L0."""
 
     run_out: float  #: (L - L0) / L0
     height: float  #: H / L0 at the wall

@@ -83,7 +83,7 @@ class Cylinder:
 
 @dataclass
 class Deposit:
-    """What is left of a cylinder, by its initial radius R0."""
+    """Deposit of a cylinder, by its initial radius R0."""
 
     run_out: float  #: (R - R0) / R0, mean over the sectors
     spread: float  #: largest less smallest R over the sectors, by the mean
@@ -106,7 +106,7 @@ def fronts(x: np.ndarray, y: np.ndarray, spacing: float, inside: float) -> np.nd
 
 
 def volume_under(r: np.ndarray, height: np.ndarray) -> float:
-    """Below a surface of revolution, linear between its places and level inside of the first [m^3]."""
+    """Volume below a surface of revolution, linear between its places and level inside of the first [m^3]."""
     low, high = r[:-1], r[1:]
     rings = np.pi / 3 * ((high - low) * (height[:-1] * (2 * low + high) + height[1:] * (low + 2 * high)))
     return float(rings.sum() + np.pi * r[0] ** 2 * height[0])

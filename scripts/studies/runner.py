@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Run scenes for a study and write what came out."""
+"""Run scenes for a study and write their results."""
 
 import csv
 import json
@@ -34,7 +34,7 @@ class Attempt:
 
     code: int | None  #: exit code; None: no end in time
     results: Results | None  #: None without a summary
-    reason: str = ""  #: why it was not begun
+    reason: str = ""  #: why it was not started
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Runner:
                  ended: Callable[[str, Attempt], None] = lambda label, attempt: None) -> list[Attempt]:
         """Runs (label, scene, settings) that may end early, as many at a time as there are cores.
 
-        What they print goes to LABEL.log. ended: is told of each; when it raises, or a signal does, the runs under way
+        What they print goes to LABEL.log. ended: is told of each; when it raises, or a signal does, the current runs
         are ended in order and no other one begins.
         """
         with ThreadPoolExecutor(self.start.at_once) as pool:
@@ -168,14 +168,14 @@ class Runner:
             self._processes.discard(process)
 
     def _stop(self) -> None:
-        """End the runs under way in order."""
+        """End the current runs in order."""
         with self._lock:
             self._stopping = True
             for process in list(self._processes):
                 process.terminate()
 
     def identity(self, scene: str, settings: list[str]) -> str:
-        """What tells this run from others."""
+        """Identity of this run."""
         return identity_of(ROOT / "configs" / scene, list(self.start.words), [*self._settings_for(scene), *settings])
 
     def _note(self, label: str) -> Path:

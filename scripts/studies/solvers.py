@@ -35,7 +35,7 @@ HEAD = ["shape", "unknowns", "analysis", "method", "linear systems", "set-ups", 
 
 @dataclass
 class Run:
-    """What a run of the structure took."""
+    """Cost of a run of the structure."""
 
     results: Results
     megabytes: float  #: largest resident memory of the program

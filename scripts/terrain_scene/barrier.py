@@ -11,7 +11,7 @@ from .slope import Slope
 
 @dataclass
 class Wall:
-    """Hexahedra with the facet groups `foot`, what stands in the ground, and `faces`, what soil can touch."""
+    """Hexahedra with the facet groups `foot`, the part in the ground, and `faces`, which soil can reach."""
 
     nodes: np.ndarray
     cells: np.ndarray
@@ -24,7 +24,7 @@ MOST_CELLS = 500_000
 
 
 def mitred(line: np.ndarray, thickness: float) -> np.ndarray:
-    """Way from the line to the left face at each of its corners, n x 2, half the thickness across each segment."""
+    """Vectors from the line to the left face at each of its corners, n x 2, half the thickness across each segment."""
     along = np.diff(line, axis=0)
     lengths = np.linalg.norm(along, axis=1)
     left = np.column_stack([-along[:, 1], along[:, 0]]) / lengths[:, None]
@@ -37,7 +37,7 @@ def mitred(line: np.ndarray, thickness: float) -> np.ndarray:
 
 
 def stations(line: np.ndarray, ways: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """The line and its ways to the left in pieces of at most `spacing`."""
+    """The line and its vectors to the left in pieces of at most `spacing`."""
     places, asides = [line[0]], [ways[0]]
     for k in range(len(line) - 1):
         pieces = int(np.ceil(np.linalg.norm(line[k + 1] - line[k]) / spacing - 1e-9))

@@ -57,7 +57,8 @@ def radius_around(shape: Reader) -> float:
 
 
 def boulder_settings(boulder: Boulder, slope: Slope, columns: Columns, origin: np.ndarray) -> dict:
-    """The sphere around it touches the ground, or the soil there, nearly. @raises TerrainError  there is no ground"""
+    """Place of a boulder whose sphere nearly rests on the ground, or on the soil there. @raises TerrainError  there is
+    no ground"""
     x, y = boulder.place - origin[:2]
     steps = boulder.radius * np.arange(-SAMPLES, SAMPLES + 1) / SAMPLES
     dx, dy = np.meshgrid(steps, steps)

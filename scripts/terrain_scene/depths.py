@@ -36,7 +36,7 @@ class CellDepths:
     def __post_init__(self) -> None:
         v = self.values
         sides = {(a, b): neighbour(v, a, b) for a in (-1, 0, 1) for b in (-1, 0, 1)}
-        # Mean of each quarter of a cell: a bilinear function at a quarter of the way to its neighbours.
+        # Mean of each quarter of a cell: a bilinear function at a quarter of the distance to its neighbours.
         mean = sum(0.5625 * v + 0.1875 * (sides[a, 0] + sides[0, b]) + 0.0625 * sides[a, b]
                    for a in (-1, 1) for b in (-1, 1)) / 4
         self._sides = sides

@@ -141,7 +141,7 @@ def require_numbers(parts: list[np.ndarray], where: str) -> None:
 
 
 def turn_feature(feature: Feature, source: str, target: str) -> bool:
-    """Into another projection in place; whether anything moved."""
+    """Transform into another projection in place; returns whether anything moved."""
     moved = False
 
     def turn(places: np.ndarray) -> np.ndarray:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a plan takes from files of maps: each key has rows of numbers or the name of a file."""
+"""Inputs of a plan from files of maps: each key has rows of numbers or the name of a file."""
 
 from dataclasses import dataclass, field
 from pathlib import Path

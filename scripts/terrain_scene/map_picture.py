@@ -17,7 +17,7 @@ AROUND = 5  # cells of the raster around what is drawn
 
 @dataclass
 class Drawn:
-    """What is drawn over the results, in coordinates of the world: lines n x 2 by name, rings of the release."""
+    """Lines that are drawn over the results, in coordinates of the world: lines n x 2 by name, rings of the release."""
 
     barrier: np.ndarray | None
     gauges: dict[str, np.ndarray]
@@ -83,7 +83,8 @@ def draw_lines(axes: plt.Axes, drawn: Drawn) -> None:
 
 
 def along(line: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Places on a line n x 2 at most `step` apart [m], its corners among them, and the way to each."""
+    """Places on a line n x 2 at most `step` apart [m], its corners among them, and the distance along the line to
+    each."""
     parts = [line[:1]]
     for start, end in zip(line[:-1], line[1:]):
         count = max(1, int(np.ceil(np.linalg.norm(end - start) / step - 1e-9)))

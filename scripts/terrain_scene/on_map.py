@@ -82,7 +82,7 @@ def rasters_of(peaks: Peaks, place: Place) -> dict[str, Raster]:
 
 
 def write_maps(results: Results, place: Place, time: float | None, out: Path) -> list[str]:
-    """All files; returns what to say of them. @raises ResultsError, TerrainError"""
+    """Write all files; returns messages on them. @raises ResultsError, TerrainError"""
     require_of_scene(results, place)
     slope = place.slope
     corner = np.array([slope.x, slope.y]) - slope.spacing / 2 - place.origin[:2]

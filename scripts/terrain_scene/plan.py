@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a scene on terrain is made from: a JSON file, read strictly."""
+"""The plan of a scene on terrain: a JSON file, read strictly."""
 
 import json
 from dataclasses import dataclass, field

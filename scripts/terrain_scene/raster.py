@@ -55,7 +55,7 @@ class Raster:
         return np.where(inside, z, np.nan)
 
     def needed_at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """The same where every value has to be known."""
+        """Values at places, like `at`, where every value has to be known."""
         z = self.at(x, y)
         if not np.isnan(z).any():
             return z

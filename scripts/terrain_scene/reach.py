@@ -10,13 +10,13 @@ from .plan import GRAVITY
 from .raster import Raster
 
 STEP = 0.5  # of a cell of the raster
-LONGEST = 20  # sides of the raster: no way is longer
+LONGEST = 20  # sides of the raster: no path is longer
 
 
 @dataclass
 class Reach:
-    """places: on the map, all that blocks come by, n x 2 [m]; the time after which nine of ten are at rest or gone [s],
-    the largest speed [m/s]; left: how many blocks come to the rim of the data.
+    """places: on the map, all through which blocks come, n x 2 [m]; the time after which nine of ten are at rest or
+    gone [s], the largest speed [m/s]; left: how many blocks come to the rim of the data.
     """
 
     places: np.ndarray
@@ -28,8 +28,9 @@ class Reach:
 def reach_of(slope: Raster, start: np.ndarray, depth: float, friction: float) -> Reach:
     """Blocks that start at rest at places n x 2, from the top of a mass of this depth [m].
 
-    A block loses friction times its level way of its energy head (height and v^2 / 2g); gravity turns it towards the
-    fall line, the more the slower it is. Soil loses energy by its own friction too, but is pushed from behind.
+    A block loses friction times its horizontal distance of its energy head (height and v^2 / 2g); gravity turns it
+    towards the fall line, the more the slower it is. Soil loses energy by its own friction too, but is pushed from
+    behind.
     """
     fields = [Raster(slope.path, slope.x, slope.y, slope.spacing, values)
               for values in (slope.values, *np.gradient(slope.values, slope.spacing)[::-1])]

@@ -212,7 +212,7 @@ def map_settings(made: Made, folder: Path) -> dict:
 
 
 def write_scene(made: Made, folder: Path) -> list[str]:
-    """Write the files; returns what to say of them."""
+    """Write the files; returns messages on them."""
     folder.mkdir(parents=True, exist_ok=True)
     facets = made.facets
     num_facets = write_ply(facets, folder / "terrain.ply")

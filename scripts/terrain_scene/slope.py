@@ -71,7 +71,7 @@ class Slope:
         return np.sqrt(1 + (east**2 + north**2) / self.spacing**2)
 
     def cut(self, pieces: int) -> "Slope":
-        """The same surface on a finer lattice: its facets follow warped cells more closely."""
+        """This surface on a finer lattice: its facets follow warped cells more closely."""
         rows, columns = self.z.shape
         x = np.arange(pieces * (columns - 1) + 1) * (self.spacing / pieces)
         y = np.arange(pieces * (rows - 1) + 1) * (self.spacing / pieces)
@@ -110,7 +110,7 @@ class Slope:
         return np.where(within, self.rise(pieces) / np.where(within, depth / layers, 1), 0)
 
     def rise(self, pieces: int) -> np.ndarray:
-        """The same in metres, for each cell the largest of its four points, at least 0."""
+        """Rise of the facets in metres, for each cell the largest of its four points, at least 0."""
         fine = self.cut(pieces).z
         x = np.arange(self.z.shape[1] - 1)[None, :]
         y = np.arange(self.z.shape[0] - 1)[:, None]

@@ -19,7 +19,7 @@ if platform.machine() == "x86_64":  # one kind of kernels, as scripts/setup says
 
 @dataclass
 class Programs:
-    """What build/release/verification_programs.txt says."""
+    """Content of build/release/verification_programs.txt."""
 
     start: list[str]  #: command that starts a program
     paths: list[Path]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the coupling needs of an input deck: nodes, elements, sets, surfaces, thicknesses, steps.
+"""The parts of an input deck that the coupling needs: nodes, elements, sets, surfaces, thicknesses, steps.
 
 Everything else is left to ccx, which reads the same lines.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What ccx is given: the deck's own steps once, then one *STEP for each solution of a coupled step."""
+"""The input of ccx: the deck's own steps once, then one *STEP for each solution of a coupled step."""
 
 import json
 from collections.abc import Iterable
@@ -45,7 +45,7 @@ def load_lines(loads: list[Load]) -> list[str]:
 
 
 def check_dynamics(deck: Deck) -> None:
-    """Refuse what *DYNAMIC of ccx 2.20 does wrong without a word. Raises DeckError."""
+    """Refuse what *DYNAMIC of ccx 2.20 does wrong without a warning. Raises DeckError."""
     for card in deck.cards_of("*KINEMATIC"):
         raise card.line.error("*KINEMATIC, with which nothing moves in *DYNAMIC of ccx 2.20",
                               "*RIGID BODY, *DISTRIBUTING, or statics")
@@ -56,7 +56,7 @@ def check_dynamics(deck: Deck) -> None:
 
 
 def check_deck(deck: Deck, surfaces: Iterable[WetSurface]) -> None:
-    """Refuse what steps of a coupled run cannot keep. Raises DeckError."""
+    """Refuse settings of the deck that steps of a coupled run cannot keep. Raises DeckError."""
     wet = {node for surface in surfaces for node in surface.nodes.tolist()}
     for card in deck.cards:
         if card.keyword in OTHER_PROCEDURES or (card.keyword == "*STEP" and "PERTURBATION" in card.parameters):
@@ -76,7 +76,8 @@ def check_deck(deck: Deck, surfaces: Iterable[WetSurface]) -> None:
 
 
 def check_nlgeom(deck: Deck, wanted: bool) -> None:
-    """A state of small displacements is no equilibrium of large ones. Raises DeckError."""
+    """Refuse a start with small displacements before steps with large ones: it is no equilibrium of these. Raises
+    DeckError."""
     large = False  # NLGEOM holds until NLGEOM=NO
     for card in deck.cards_of("*STEP"):
         large = card.parameters.get("NLGEOM", "" if large else "NO") != "NO"
@@ -92,8 +93,8 @@ def refuse_wet(card: Card, wet: set[int], nodes: list[int]) -> None:
 
 def keeps_history(deck: Deck) -> str:
     """Lines of a model that make ccx write the history of the material, plastic strains and the like, into its
-    restart file, which version 2.20 does only where there is contact: a fixed tetrahedron, and a fixed node far
-    from it that may touch it. None where nothing is to be kept, or the deck has contact."""
+    restart file, which version 2.20 does only where there is contact: a fixed tetrahedron, and a fixed node far from it
+    in possible contact with it. None where nothing is to be kept, or the deck has contact."""
     if not deck.cards_of(*HISTORY) or deck.cards_of("*CONTACTPAIR"):
         return ""
     node, element = max(deck.nodes) + 1, max(deck.elements) + 1
@@ -155,13 +156,13 @@ def coupled_step(settings: Settings, begin: str, duration: tuple[float, int], lo
 
 
 def with_output(job: str, plastic: bool, reactions: tuple[str, ...] = ()) -> str:
-    """The same step, which now writes fields into its .frd, and forces of these node sets into its .dat."""
+    """The last step once more, now with fields written into its .frd, and forces of these node sets into its .dat."""
     stress = "S, E, PEEQ" if plastic else "S, E"
     forces = "".join(f"*NODE PRINT, NSET={name}\nRF\n" for name in reactions)
     return job.replace("*NODE FILE\n*EL FILE\n", f"{forces}*NODE FILE\nU\n*EL FILE\n{stress}\n")
 
 
 def with_section_forces(job: str) -> str:
-    """The same step, which now writes the section forces of beams into its .frd."""
+    """The last step once more, now with the section forces of beams written into its .frd."""
     return job.replace("*NODE FILE\n*EL FILE\n",
                        "*NODE FILE, OUTPUT=2D\nU\n*EL FILE, OUTPUT=2D, SECTION FORCES\nS\n")

@@ -22,7 +22,7 @@ HEADER = ("step", "nset", "nalset", "nload", "nbody", "nforc", "nboun", "nflow",
 
 
 class RestartFileError(Exception):
-    """The file is not what this ccx is known to write."""
+    """The file is not one that this ccx is known to write."""
 
 
 @dataclass(frozen=True)

@@ -162,7 +162,7 @@ class Structure(Solver):
         return self.folder / f"{JOB}.rin"
 
     def take_result(self) -> NodalState:
-        """What ccx wrote is the state from now on."""
+        """Make the state that ccx wrote the accepted one."""
         os.replace(self.folder / f"{JOB}.rout", self.state_file)
         self.reserve = limit_reserve(self.state_file, self.reserve)
         return read_nodal_state(self.state_file)
@@ -211,7 +211,7 @@ class Structure(Solver):
         self.forces = {name: np.array(value) for name, value in saved["forces"].items()}
 
     def fingerprint(self) -> str:
-        """Hash of all that the state depends on."""
+        """Hash of all data on which the state depends."""
         physics = [self.settings.procedure, self.settings.nlgeom, self.settings.alpha,
                    *((part.name, part.surface, part.element_set) for part in self.settings.interfaces)]
         text = "\n".join([*(line.text for line in self.deck.lines), json.dumps(physics)])

@@ -91,8 +91,8 @@ double NewmarkStep<dim>::follow(const Balance& balance, Vector& du, Vector& r) c
   throw gabion::ConvergenceError("cells turn inside out", "inverted");
 }
 
-/// What digits allow: |K_ii u_i| times a few of the last bit. No residual is smaller where a body
-/// has come far.
+/// Smallest residual that rounding allows: |K_ii u_i| times a few units of the last bit, which
+/// matters where a body has moved far.
 template <int dim>
 double NewmarkStep<dim>::rounding(const Balance& balance, const Vector& du) const {
   double sum = 0;

@@ -50,13 +50,13 @@ class NewmarkStep {
   SolidState initial_state();
   /// The state after dt [s]. @returns iterations  @throws gabion::ConvergenceError
   int solve(const SolidState& state, const WetForces& forces, double dt, SolidState& trial);
-  /// What mean forces add to velocity and acceleration of an accepted step.
+  /// Add the corrections by mean forces to velocity and acceleration of an accepted step.
   void complete(const SolidState& state, double dt, SolidState& trial);
 
   int num_factorisations() const { return factorisations_; }
 
  private:
-  /// One balance: what is constant while du is sought.
+  /// Data of one balance that are constant while du is sought.
   struct Balance {
     const SolidState& state;
     Vector load;    // [N], not condensed

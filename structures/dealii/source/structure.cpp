@@ -64,7 +64,7 @@ gabion::StepReport Structure<dim>::solve_step(const gabion::StepRequest& request
   WetForces forces{zero, zero};
   for (const auto& surface : surfaces_) {
     const auto values = received.find(surface.mesh().name);
-    if (values == received.end()) continue;  // nothing touches
+    if (values == received.end()) continue;  // no contact
     const auto kind = force_kinds_.find(surface.mesh().name);
     const bool mean = kind != force_kinds_.end() && kind->second == gabion::ForceKind::step_mean;
     surface.add_forces(values->second, mean ? forces.mean : forces.end);

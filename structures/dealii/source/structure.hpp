@@ -31,7 +31,7 @@ class Structure final : public gabion::Solver, public gabion::DisplacedAtStart {
                                 const gabion::InterfaceValues& received,
                                 gabion::InterfaceValues& sent) override;
   gabion::AcceptReport accept_step(const gabion::StepRequest& request, bool solved) override;
-  void reject_step() override {}  // the accepted state was not touched
+  void reject_step() override {}  // the accepted state was not changed
   void write_output(double time) override;
   std::vector<std::string> probe_names() const override;
   std::vector<double> probes() const override;
