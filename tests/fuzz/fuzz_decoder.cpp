@@ -87,7 +87,7 @@ void read_content(const Message& message) {
     try {
       read();
     } catch (const ProtocolError&) {
-      // What a reader is allowed to do.
+      // The exception that a reader is allowed to throw.
     }
   };
   attempt([&] {

@@ -224,7 +224,7 @@ std::vector<Frames> read_seeds(const std::string& folder) {
       Frames frames = {vector.contains("header_hex") ? bytes_of(vector["header_hex"])
                                                      : vector["header"].get<std::string>()};
       for (const Json& payload : vector["payloads"]) frames.push_back(bytes_of(payload));
-      // What is refused at once reaches little code.
+      // Frames that are refused at once reach little code.
       seeds.insert(seeds.end(), vector.contains("message") ? 20 : 1, frames);
     }
   }

@@ -16,7 +16,7 @@ using Frames = std::vector<std::string>;
 /// The frames of accepted.json (20 times) and refused.json in a folder of test vectors.
 std::vector<Frames> read_seeds(const std::string& folder);
 
-/// The same numbers on every machine (SplitMix64: Steele, Lea, Flood 2014).
+/// Random numbers that are equal on every machine (SplitMix64: Steele, Lea, Flood 2014).
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

@@ -67,7 +67,7 @@ def process_faults() -> list[Cell]:
                 Cell("slow", who, phase, (), code=0, steps=5),
             ]
         for phase in ("before_solve", "inside_solve", "after_solve", "output"):
-            # In the other phases it accepts or writes, and may complete its files.
+            # In the other phases the participant accepts or writes, and may complete its files.
             cells.append(Cell("never_answers", who, phase, (peer, "is alive but has not answered for",
                                                             f"limit {ANSWER:g} s", "in phase"), steps=rows(phase)))
     for phase in PHASES:

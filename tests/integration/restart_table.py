@@ -33,7 +33,7 @@ def gate(**changes: object) -> dict:
 
 
 def held_gate() -> dict:
-    """The same by boundary points."""
+    """The wall of gate(), by boundary points."""
     return gate(method="boundary_points", penalty=1e7)
 
 
@@ -49,7 +49,7 @@ def box(low: list, high: list, cells: list, kind: str = "quad4") -> dict:
 
 
 def soil_3d() -> dict:
-    """The same soil, three cells thick."""
+    """The soil of soil(), three cells thick in z and without the rigid wall."""
     settings = soil(dimension=3, grid=box([0, 0, 0], [0.32, 0.12, 0.06], [16, 6, 3], "hex8"), gravity=[0, -9.81, 0])
     settings["walls"] += [{"group": "back", "condition": "slip"}, {"group": "front", "condition": "slip"}]
     settings["bodies"][0] |= {"mesh": box([0.16, 0, 0], [0.24, 0.06, 0.06], [4, 3, 3], "hex8"), "points_per_cell": 8,

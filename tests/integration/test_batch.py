@@ -75,7 +75,7 @@ class Batch(IntegrationCase):
         self.assertEqual(self.asked.read_text().split("\n")[-2], REQUEUED)
 
     def rows(self, part: int, table: str, first: int, last: int) -> list[tuple[str, ...]]:
-        """Those of a part without what a later one has done again."""
+        """Rows of a part without those that a later part has computed again."""
         names, *rows = rows_without_seconds(self.folder / f"part_{part}" / f"{table}.csv")
         if table == "probes":  # a row a step; the first part has one of time 0 before them
             return rows[:last - first + 1] if part > 1 else rows[1:last + 1]

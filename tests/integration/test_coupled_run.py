@@ -167,7 +167,7 @@ class CoupledRun(IntegrationCase):
     def assert_close(self, one: list[dict], two: list[dict]) -> None:
         self.assertEqual(len(one), len(two))
         for column in one[0]:
-            # What is left of a balance is compared by the size of its terms.
+            # The remainder of a balance is compared by the size of its terms.
             terms = {"momentum_error": "soil.momentum_x", "soil.momentum_y": "soil.momentum_x",
                      "energy_balance": "soil.kinetic_energy",
                      "created_energy": "soil.kinetic_energy", "transfer_loss": "soil.kinetic_energy",

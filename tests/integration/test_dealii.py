@@ -95,7 +95,7 @@ class Driven(IntegrationCase):
                 np.testing.assert_allclose(u[:, 1:], 0, atol=1e-10)
 
     def test_mesh_file(self) -> None:
-        """The same square from a file of Gmsh, whose physical lines 1 to 4 are its sides."""
+        """A square from a file of Gmsh, whose physical lines 1 to 4 are its sides, stretches uniformly."""
         nodes = [f"{1 + i + 3 * j} {i / 2} {j / 2} 0" for j in range(3) for i in range(3)]
         lines = [(group, a, b) for group, way in ((1, (1, 4, 7)), (2, (3, 6, 9)), (3, (1, 2, 3)), (4, (7, 8, 9)))
                  for a, b in zip(way, way[1:])]

@@ -58,7 +58,7 @@ class DisplacedStart(IntegrationCase):
         self.assertNotIn("set_start", summary["messages"]["structure"])
 
     def test_a_sag_of_more_than_a_cell_fails_no_step(self) -> None:
-        """With the soil at the reference until the first step each dt failed."""
+        """If the soil stood at the reference until the first step, each dt would fail."""
         self.assertGreater(SAG, CELL)
         self.write_scene(scene(bottom=TOP + 0.005))
         self.run_launch("--set", "coupler.json:/time/end=0.005", code=0)

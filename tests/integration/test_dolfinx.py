@@ -18,7 +18,7 @@ MODEL = ROOT / "configs" / "granular_obstacle_dolfinx" / "structure.py"
 
 
 def rank_of(structure: Launch, rank: int) -> int:
-    """Its process."""
+    """Process number of a rank."""
     wanted = {f"{name}={rank}".encode() for name in ("OMPI_COMM_WORLD_RANK", "PMIX_RANK")}
     found = [pid for pid in structure.alive() if wanted & {*Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")}]
     assert len(found) == 1, f"rank {rank}: found processes {found}"

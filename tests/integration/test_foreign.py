@@ -47,7 +47,7 @@ class ByHand(ForeignCase):
         return self.start(programs=("coupler", "mpm_solver"))
 
     def test_all_three_separately(self) -> None:
-        """The beam of granular_obstacle_external, whose tip goes the way of the finite elements'."""
+        """The beam of granular_obstacle_external, whose tip moves as that of the finite elements."""
         arguments = (str(self.scene), "--output", str(self.out))
         coupler = self.by_hand(str(launch.binaries / "coupler"), *arguments)
         coupler.wait_until(lambda: self.out.exists(), "the folder of results")

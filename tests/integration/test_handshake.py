@@ -36,7 +36,7 @@ class Handshake(IntegrationCase):
         self.assert_says(answer, "refused", "protocol version: coupler 1.4, participant 2.0")
 
     def test_another_minor_version_is_welcome(self) -> None:
-        """Which shows that it was the version that the test above was refused for."""
+        """Another minor version is accepted: the test above was refused for its major version."""
         _, answer = self.with_fake("1.7")
         self.assert_says(answer, "welcome")
 

@@ -112,7 +112,7 @@ class Run:
                 return
         self.start("structure" if first == "soil" else "soil")
 
-    # What the tap calls: the moment has come. Whoever is struck must not have answered yet.
+    # The tap calls these when the moment has come. The program that is struck must not have answered yet.
 
     def before(self, _way: str, who: str, header: dict) -> None:
         if not self.cell or self.struck or who != ("soil" if self.cell.who == "coupler" else self.cell.who):
@@ -139,7 +139,7 @@ class Run:
             os.kill(process.pid, signal.SIGKILL if self.cell.kind == "killed" else signal.SIGSTOP)
         self.struck = time.monotonic()
 
-    # What the player calls.
+    # The player calls these.
 
     def text(self, who: str) -> str:
         return (self.folder / f"{who}.txt").read_text(encoding="utf-8", errors="replace")

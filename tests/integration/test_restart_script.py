@@ -48,7 +48,7 @@ class ScriptCase(IntegrationCase):
         return len(rows_without_seconds(self.folder / out / "steps.csv")) - 1
 
     def assert_same_rows(self, out: str, first: int) -> None:
-        """Those of the run in one piece from this step on."""
+        """Rows of the run in one piece from this step on."""
         last = self.steps("straight")
         for table in TABLES:
             self.assertEqual(rows_of_steps(self.folder / out, table, first, last, whole=True),
@@ -56,7 +56,7 @@ class ScriptCase(IntegrationCase):
 
 
 class Programs(ScriptCase):
-    """Those of this project."""
+    """The programs of this project."""
 
     def test_restart(self) -> None:
         self.write_scene(meeting())

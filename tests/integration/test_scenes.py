@@ -42,7 +42,7 @@ class FlexibleGate(Laid):
 
 
 class Fluids(Laid):
-    """Fluids beside a structure, as they would be after their way, push on it from the first moment."""
+    """Fluids that begin beside a structure, as after their flow to it, push on it from the first moment."""
 
     def expect_push(self, name: str, box: dict, end: float, point: str, error: float = 1e-4) -> None:
         self.scene = CONFIGS / name
@@ -62,7 +62,7 @@ class Fluids(Laid):
         self.expect_push("mud_on_barrier", mud, 0.04, "crest")
 
     def test_debris_flow(self) -> None:
-        """With the tolerance of these scenes, 1e-3 of the force, and its push with and without pore pressure."""
+        """The push with and without pore pressure, with the tolerance of these scenes, 1e-3 of the force."""
         soil = {"low": [12, 0], "high": [14, 1], "cells": [8, 4]}
         impulses = []
         for name in ("debris_flow_barrier", "debris_flow_barrier_drained"):

@@ -104,7 +104,7 @@ class FakeCoupler:
         return reply
 
     def solve(self, step: int, force: float | None, iteration: int = 0, dt: float = 0.1) -> Message:
-        """The same force on every component; None: free interfaces."""
+        """Ask for a solution under an equal force [N] on every component; None: free interfaces."""
         arrays = {} if force is None else {"force:wall": np.full((3, 2), force)}
         self._dt = dt
         return self.ask("solve_step", arrays, step=step, iteration=iteration, time=self._time, dt=dt)

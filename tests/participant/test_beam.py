@@ -218,7 +218,7 @@ class Motion(unittest.TestCase):
         self.assertLess(max(damped), 1.001 * damped[0])
 
     def test_momentum_of_one_step(self) -> None:
-        """What a force gives in a step is the mass times the change of velocity, and the foot's reaction."""
+        """Mass times acceleration and inner forces balance the load, but for the reaction at the foot."""
         structure = beam(10)
         start = structure.at_rest()
         load = tip(structure, (3.0, 1.0))
@@ -254,7 +254,7 @@ class Surface(unittest.TestCase):
                                                                [0.25, 0]], atol=1e-15)
         self.assertEqual(self.outline.corner, 10)
         way = np.diff(points, axis=0)
-        out = np.stack([way[:, 1], -way[:, 0]], axis=1)  # to the right of the way
+        out = np.stack([way[:, 1], -way[:, 0]], axis=1)  # to the right of the outline's direction
         self.assertTrue((np.sum(out * (points[:-1] - [0.255, 0.02]), axis=1) > 0).all())
 
     def test_forces_do_the_work_of_the_surface(self) -> None:

@@ -298,7 +298,7 @@ class Dynamics(CalculixCase):
                 self.assertAlmostEqual(period, 1, delta=0.015)
 
     def test_repeat_reject_cut_and_restart(self) -> None:
-        """The same bits from the same accepted state, in another process's folder too."""
+        """Equal accepted states give equal bits, in another process's folder too."""
         settings = {"probes": [{"name": "A", "node": 63}]}
         structure = self.structure(plane(n=10) + WEIGHT, **settings)
         random = np.random.default_rng(1)

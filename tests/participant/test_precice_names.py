@@ -51,7 +51,7 @@ class AdapterCase(ParticipantCase):
         return precice_names.Participant(name, self.config(*changes), 0, 1)
 
     def solve(self, step: int, force: float, iteration: int = 0, dt: float = STEP) -> np.ndarray:
-        """The same force on every component; the displacement that is answered, num_vertices x 2."""
+        """The displacement [m] that answers an equal force [N] on every component, num_vertices x 2."""
         self.coupler._dt = dt  # noqa: SLF001: as its own solve(), which knows another mesh
         reply = self.coupler.ask("solve_step", {"force:wall": np.full((4, 2), force)}, step=step, iteration=iteration,
                                  time=self.coupler._time, dt=dt)  # noqa: SLF001
@@ -247,7 +247,7 @@ class Refused(AdapterCase):
         self.assertRegex(precice_names.get_version_information(), rb"^gabion_participant, protocol \d")
 
     def test_values(self) -> None:
-        """Within a step: each wrong call says what is allowed; the right ones go on afterwards."""
+        """Each wrong call within a step says what is allowed; the right ones go on afterwards."""
         participant = self.participant()
         ids = participant.set_mesh_vertices("Wall-Mesh", adapter.VERTICES)
 

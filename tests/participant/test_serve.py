@@ -637,11 +637,11 @@ class Deadlines(ParticipantCase):
 
 
 class LastWords(ParticipantCase):
-    """What came counts before what died: the coupler's process is gone while its words are in the queue. The sign
-    of life before them makes the participant look for that process."""
+    """Messages that have come count before a death: the coupler's process is gone while its words are in the queue. The
+    sign of life before them makes the participant look for that process."""
 
     def hear(self, kind: str, signal_came: bool = False, **fields: Any) -> str:
-        """How a participant ends that gets this last."""
+        """How a participant ends whose last message is this."""
         def take_part() -> None:
             with Connection(self.settings()) as connection:
                 introduce(Spring(), connection)

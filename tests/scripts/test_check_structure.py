@@ -18,7 +18,7 @@ class CheckStructure(ScriptCase):
         return lines
 
     def expect_breach(self, path: str, text: str, *words: str) -> None:
-        """One file, one breach that names the file and contains the words."""
+        """One file with one breach; the message names the file and contains the words."""
         self.write(path, text)
         lines = self.breaches()
         self.assertEqual(len(lines), 1, lines)

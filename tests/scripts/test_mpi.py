@@ -16,7 +16,7 @@ VERSIONS = {4: "mpirun (Open MPI) 4.1.4\n\nReport bugs to http://www.open-mpi.or
             5: "mpirun (Open MPI) 5.0.7\n\nReport bugs to https://www.open-mpi.org/community/help/\n"}
 OTHERS = ("", "HYDRA build details:\n    Version:      4.0.2\n", "Intel(R) MPI Library for Linux* OS, Version 2021.9\n",
           "mpirun (Open MPI) unknown\n")
-# Of Open MPI, it writes down what it is given.
+# An mpirun of Open MPI that writes down what it is given.
 MPIRUN = """#!/bin/bash
 if [[ $1 == --version ]]; then printf '%s' '{version}'; exit; fi
 printf '%s\\n' "$@" >{folder}/words

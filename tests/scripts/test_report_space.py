@@ -101,7 +101,7 @@ class Space(ScriptCase):
         np.testing.assert_allclose(normals, [[0, 0, 4]] * 2, atol=1e-3)
 
     def test_balls_are_as_large_as_their_distance(self) -> None:
-        """Of a slope in a gully that fills half its box, too; points of it are far from those of another body."""
+        """Also in a gully that fills half its box; points of the slope are far from those of another body."""
         from plotting.results import Results  # noqa: PLC0415
         from reporting.frames import Packer  # noqa: PLC0415
         write_space_results(self.folder)

@@ -105,7 +105,7 @@ class WatchTest(ScriptCase):
         self.assertIn("Failed after 0 steps to t = 0 s: participants did not connect.", failed.stdout)
 
     def test_words_of_the_verdict(self) -> None:
-        """The same as on the page of scripts/report, one after the other, a mark in front of each."""
+        """The sentences of the page of scripts/report, one after the other, a mark in front of each."""
         from plotting.live import Run  # noqa: PLC0415
         from plotting.terminal import MARKS, words  # noqa: PLC0415
         from plotting.verdict import verdict  # noqa: PLC0415

@@ -75,7 +75,7 @@ inline GmshText tower() {
               {1, 1, 1, {{1, 2}}}, {1, 2, 1, {{5, 6}}}, {2, 1, 3, {{1, 2, 3, 4}, {4, 3, 5, 6}}}}};
 }
 
-/// The same, the upper square on nodes of its own.
+/// The squares of tower(), the upper one on nodes of its own.
 inline GmshText loose_tower() {
   GmshText file = tower();
   file.nodes.insert(file.nodes.end(), {{1, 1, 0}, {0, 1, 0}});

@@ -148,7 +148,7 @@ TEST(FolderLock, who_writes_below_a_folder_keeps_it_in_place) {
   const FolderLock others(temp / "out", FolderLock::Kind::beside);
 }
 
-/// What decides where a file system has no locks that all machines know.
+/// Signatures decide where a file system has no locks that all machines know.
 TEST(FolderLock, signatures_of_processes_that_may_live) {
   const TempFolder temp;
   const ProcessIdentity self = this_process();

@@ -34,7 +34,7 @@ Json stone(int dim, double along, double up, double velocity_up) {
           {"velocity", velocity}};
 }
 
-/// Soil up to the height 0.4 m, and a stone that just touches it.
+/// Soil up to the height 0.4 m, and a stone that is just in contact with it.
 Json bed(int dim, bool in_substeps) {
   const bool plane = dim == 2;
   const int cells = plane ? 10 : 8;
@@ -252,7 +252,7 @@ TEST(BouldersInSoil, a_disc_rolls_down_a_slope_by_its_inertia) {
   EXPECT_LT(probe(*solver, "slope.fy"), 0);
 }
 
-/// What a structure is told is what the stone loses.
+/// The momentum that a structure receives is what the stone loses.
 TEST(BouldersInSoil, a_plate_gets_the_force_of_a_stone) {
   Json json = bed(2, true);
   json["grid"] = box({0, 0}, {2, 1.2}, {20, 12}, "quad4");
@@ -286,7 +286,7 @@ TEST(BouldersInSoil, a_plate_gets_the_force_of_a_stone) {
   EXPECT_GT(lost, 2 * mass);
 }
 
-/// Held while the soil settles without inertia, free in the phase after it.
+/// A stone is held while the soil settles without inertia, and free in the phase after it.
 TEST(BouldersInSoil, a_stone_is_held_until_it_is_free) {
   Json json = bed(2, false);
   json["grid"] = box({0, 0}, {1, 1.2}, {10, 12}, "quad4");
@@ -317,7 +317,8 @@ TEST(BouldersInSoil, a_stone_that_falls_out_of_the_grid_is_refused) {
   EXPECT_GT(probe(*other, "stone.x"), 1.3);
 }
 
-/// A step in which the soil is much stiffer than the stone is heavy is right or an error.
+/// A step in which the soil is much stiffer than the stone is heavy either agrees with a finer one
+/// or is an error.
 TEST(BouldersInSoil, light_stones_on_stiff_soil_agree_or_are_refused) {
   for (const double light : {1000., 300., 100., 30.}) {
     Json json = bed(2, false);

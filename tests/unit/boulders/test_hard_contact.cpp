@@ -80,7 +80,7 @@ TEST(HardContact, a_pair_of_balls_keeps_momentum_and_its_energy_if_elastic) {
   EXPECT_GT(scene.now.states[0].v.norm(), 0.5);
 }
 
-// What the ground gets is what the body loses; friction and impacts take energy only.
+// The ground receives the momentum that the body loses; friction and impacts only take energy.
 TEST(HardContact, a_tumbling_block_never_gains) {
   const HardBody block = hard_body(box_shape<2>({1, 0.5}, 2000), {.friction = 0.4});
   Scene scene(2, {block}, on_slope(2, 0), {ground(2)});

@@ -12,7 +12,8 @@ namespace {
 
 struct Random {
   std::mt19937 generator;
-  // The bits of std::uniform_real_distribution are those of a library, these are not.
+  // A number in [low, high) with equal bits everywhere; those of std::uniform_real_distribution
+  // depend on the library.
   double in(double low, double high) { return low + (high - low) * generator() / 4294967296.; }
   int below(int n) { return static_cast<int>(generator() % n); }
 };

@@ -49,7 +49,7 @@ TEST(HardContactFacets, a_box_moves_the_same_on_fine_ground) {
   expect_same(box_shape<3>({1, 0.8, 0.7}, 2650), {8, 40}, 1.5);
 }
 
-// What sticks out of the ground is felt between the vertices of a shape.
+// Ground that sticks out is felt between the vertices of a shape.
 TEST(HardContactFacets, a_side_lies_on_a_ridge) {
   const HardBody block = hard_body(box_shape<2>({1, 0.8}, 2650), {});
   Obstacle ridge;

@@ -44,8 +44,8 @@ void go_on(Scene& scene) {
   }
 }
 
-// Speeds, masses and a wall that moves; the time step, in which the substeps take theirs, says
-// nothing.
+// Drops with several speeds and masses, and a wall that moves; the time step does not matter, as
+// substeps divide it.
 TEST(ImpactDamping, a_drop_comes_back_with_its_restitution) {
   for (const double e : {0.0, 0.05, 0.2, 0.4, 0.7, 0.95, 1.0}) {
     for (const double speed : {0.3, 5.0, 30.0}) {
@@ -90,7 +90,8 @@ Course impact(double dt) {
   return course;
 }
 
-/// What the wall gets is what the sphere loses; the force has no jump, not as it turns back either.
+/// The wall receives the momentum that the sphere loses; the force has no jump, also as it turns
+/// back.
 TEST(ImpactDamping, its_force_is_smooth_and_its_momentum_exact) {
   const Course coarse = impact(2e-5), fine = impact(5e-6);
   EXPECT_NEAR(coarse.impulse / coarse.change, 1, 1e-9);

@@ -365,8 +365,9 @@ TEST(SecantBasis, coordinates_survive_growth_shrinking_and_rescaling) {
   EXPECT_LE((basis.coordinates(v[0]).norm() - v[0].norm()), 0);
 }
 
-/// Columns of which 1e-2 or 2e-13 is new, many steps long: once a basis without right angles came
-/// of it, since the second projection of the short rests left as much as there was.
+/// Columns of which 1e-2 or 2e-13 is new, many steps long: such columns once spoilt the right
+/// angles of the basis, since the second projection of the short remainders left as much as there
+/// was.
 TEST(SecantBasis, keeps_its_right_angles) {
   test::Sequence random(2);
   constexpr Eigen::Index n = 1000;

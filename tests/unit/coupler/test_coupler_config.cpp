@@ -36,7 +36,7 @@ TEST(CouplerConfig, a_short_file_takes_the_defaults_and_shows_them) {
   EXPECT_EQ(resolved["coupling"]["acceleration"]["relaxation"], s.coupling.acceleration.relaxation);
   EXPECT_EQ(resolved["coupling"]["convergence"]["stagnation"], 20);
   EXPECT_TRUE(resolved["protocol"].contains("silence_deadline"));
-  // What was resolved is a complete config that reads as the same.
+  // The resolved settings are a complete config that reads as the same.
   const ConfigReader again(resolved, "resolved", coupler_keys());
   read_coupler_settings(again);
   EXPECT_EQ(again.resolved(), resolved);

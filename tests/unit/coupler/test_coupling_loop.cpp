@@ -228,7 +228,7 @@ TEST(CouplingLoop, interface_work_is_the_energy_of_the_structure_and_cancels) {
   }
 }
 
-/// Takes the force as constant over the step where it is told so.
+/// A structure that takes the force as constant over the step where it is told so.
 class MeanSprings : public StructureSprings {
  public:
   using StructureSprings::StructureSprings;
@@ -301,8 +301,8 @@ TEST(CouplingLoop, mean_forces_of_a_step_work_as_they_are) {
   }
 }
 
-/// One that takes them as forces of the end of the step still runs, and work_sum shows what that
-/// makes.
+/// A structure that takes them as forces of the end of the step still runs, and work_sum shows the
+/// error.
 TEST(CouplingLoop, mean_forces_taken_for_others_show_in_the_work) {
   for (const bool wire : {false, true}) {
     MeanForces old("old");

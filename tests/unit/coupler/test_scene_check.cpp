@@ -12,7 +12,7 @@
 namespace gabion {
 namespace {
 
-/// What a scene's files say that matters from file to file; the rest is left out.
+/// The keys of a scene's files that matter from file to file; the rest is left out.
 class SceneCheck : public ::testing::Test {
  protected:
   /// @returns warnings

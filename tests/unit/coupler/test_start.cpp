@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Begins displaced, as if it had been held until then.
+/// A structure that begins displaced, as if it had been held until then.
 class DisplacedSprings : public StructureSprings, public DisplacedAtStart {
  public:
   explicit DisplacedSprings(const std::vector<double>& u) : StructureSprings(2, 1, 100) {
@@ -35,7 +35,7 @@ class DisplacedSprings : public StructureSprings, public DisplacedAtStart {
   double energy_now() const { return energy(); }
 };
 
-/// Writes down where it begins, and where it is in the first solution.
+/// A soil that writes down where its interface begins, and where it is in the first solution.
 class PlacedSprings : public SoilSprings, public TakesStart {
  public:
   PlacedSprings() : SoilSprings(3, 2, 10) {
@@ -66,7 +66,7 @@ struct Rows {
   }
 };
 
-/// The steps of a run of 0.2 s, up to the columns of wall time and without texts.
+/// Rows of the steps of a run of 0.2 s, up to the columns of wall time and without texts.
 Rows run(Solver& soil, Solver& structure, bool wire = false, int predictor = 0,
          Scheme scheme = Scheme::serial_implicit) {
   CouplerSettings s;

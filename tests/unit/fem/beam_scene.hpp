@@ -20,7 +20,7 @@ inline Json rectangle(double height, double width) {
   return {{"shape", "rectangle"}, {"height", height}, {"width", width}};
 }
 
-/// Of the group "rope" of a chain.
+/// Material of the group "rope" of a chain.
 inline Json beam_material(double E, double nu, const Json& section, double density = 1) {
   return {{"law", "beam"},       {"group", "rope"},    {"young_modulus", E},
           {"poisson_ratio", nu}, {"density", density}, {"cross_section", section}};

@@ -19,7 +19,7 @@ class MatrixScene {
  public:
   /// An empty folder.
   MatrixScene() : folder_(make_folder()) {}
-  /// What write_matrices() writes for a structure with a mesh.
+  /// A scene with the files that write_matrices() writes for a structure with a mesh.
   template <int dim>
   static MatrixScene of(const Json& with_mesh) {
     MatrixScene scene;

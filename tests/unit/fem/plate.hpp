@@ -20,7 +20,7 @@ inline Json plate(const std::string& law = "neo_hookean") {
            {{{"name", "A"}, {"point", {0, height}}}, {{"name", "B"}, {"point", {0.033, 0.21}}}}}};
 }
 
-/// The same horizontal force on every vertex.
+/// An equal horizontal force [N] on every vertex.
 inline InterfaceValues push(const Solver& solver, double force) {
   InterfaceValues values;
   const auto meshes = solver.interfaces();

@@ -16,7 +16,7 @@ struct Projectile {
   double penalty = 1;               // [N/m]
 };
 
-/// What became of the energy, by that of the projectile at the start.
+/// Shares of the energy after an impact, over that of the projectile at the start.
 struct ImpactEnergy {
   double largest = 0;        ///< of projectile, penalty and structure together
   double with_damping = 0;   ///< the same with `damping_work`

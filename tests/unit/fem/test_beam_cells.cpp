@@ -81,7 +81,8 @@ struct Chain {
   }
 };
 
-/// Of places and rotations; the second unknown of a rotation in the plane means nothing.
+/// Random unknowns of places and rotations; the second unknown of a rotation in the plane means
+/// nothing.
 template <int dim>
 VectorXd random_unknowns(const Chain<dim>& chain, double size, int seed) {
   std::mt19937 random(seed);
@@ -111,8 +112,8 @@ TEST(BeamCells, tangent_against_differences) {
   expect_exact_tangent<3>();
 }
 
-/// In the plane forces are the derivative of the energy; in space, of moments on spins, at the
-/// start of a step.
+/// In the plane, forces are the derivative of the energy; in space this holds at the start of a
+/// step, with moments on spins.
 template <int dim>
 void expect_forces_of_energy() {
   Chain<dim> chain{settings_of<dim>(bent_chain())};

@@ -108,7 +108,7 @@ TEST(Concrete, takes_its_energies) {
               1e-4 * crushing_energy);
 }
 
-/// One step or a thousand: the damage of a state on a straight way, and what it took.
+/// One step or a thousand: the damage of a state on a straight path, and the energy that it took.
 TEST(Concrete, is_independent_of_the_steps) {
   Point<3> one, many;
   const Vector<3> end(8e-4, 1e-4, -6e-4);
@@ -119,7 +119,8 @@ TEST(Concrete, is_independent_of_the_steps) {
   }
 }
 
-/// Largest stress on a way along which both stresses in a plane are in a ratio, none across it.
+/// Largest stress on a path along which both stresses in a plane are in a ratio, with no stress
+/// across the plane.
 double biaxial_strength(double ratio, double sign) {
   Point<3> point;
   const double nu = 0.2;

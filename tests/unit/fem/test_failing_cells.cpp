@@ -61,7 +61,8 @@ TEST(FailingCells, fading_bar_keeps_the_balance) {
     if (n >= 10) forces.push_back(probe(*solver, "axial_max_rope"));
     EXPECT_NEAR(imbalance(*solver), 0, 1e-9 * std::max(1.0, probe(*solver, "external_work")));
   }
-  // Of 209.45 MPa at n = 10; then 3/4, 1/2, 1/4 of the stress that hardens on, at last none.
+  // The stress is 209.45 MPa at n = 10; then 3/4, 1/2, 1/4 of the stress that hardens on, at last
+  // none.
   const double slope = 1e9 * 200.0 / 201 * 1e-3;
   for (int k = 1; k <= 4; ++k) {
     const double stress = forces[0] / 1e-4 + k * slope;
@@ -70,8 +71,9 @@ TEST(FailingCells, fading_bar_keeps_the_balance) {
   EXPECT_EQ(forces[5], 0);
 }
 
-/// A mass of 100 kg on two ropes of 1 m: the lower one breaks at 1.5 times the weight, on the way
-/// to twice of it. Then the mass falls freely, and the upper rope swings with what it had.
+/// A mass of 100 kg on two ropes of 1 m: the lower one breaks at 1.5 times the weight, while its
+/// force rises to twice the weight. Then the mass falls freely, and the upper rope swings with its
+/// own energy.
 TEST(FailingCells, weaker_of_two_ropes_breaks) {
   LineText text = chain(2, 2);
   text.lines = {{"upper", {{1, 2}}}, {"lower", {{2, 3}}}};
@@ -179,7 +181,7 @@ void expect_beams_to_fall() {
   for (int k = 0; k < 20; ++k) step();
   const double before = probe(*solver, momentum);
   step();
-  // Without the half of the first beam at the clamp.
+  // The half of the first beam at the clamp does not fall.
   EXPECT_NEAR((probe(*solver, momentum) - before) / 1e-3, -10 * 2000 * 0.01 * 3.5, 1e-4);
 }
 

@@ -110,7 +110,7 @@ TEST(MatrixDamping, a_sudden_force_moves_an_oscillator_as_it_should) {
   }
 }
 
-/// A strong dashpot gives way with F / c, and never backwards.
+/// A strong dashpot yields at the speed F / c, and never backwards.
 TEST(MatrixDamping, a_strong_dashpot_is_not_pushed_backwards) {
   const double m = 1, c = 1e6, F = 1, dt = 1;
   MatrixScene scene = one_mass(m, c, 1e-3);

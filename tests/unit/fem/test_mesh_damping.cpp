@@ -116,7 +116,7 @@ TEST(MeshDamping, impacts_make_no_energy) {
   }
 }
 
-/// The same matrices, once of cells and once of files.
+/// A structure of cells moves as one of files with its matrices.
 TEST(MeshDamping, moves_as_the_same_structure_of_matrices) {
   if (num_ranks(comm()) > 1) GTEST_SKIP() << "matrices are written on one rank";
   Json json = wall(0.5, 8e-4);

@@ -87,7 +87,8 @@ void expect_slopes() {
   if constexpr (dim == 3) turn_before(link, random_vector(15, 4));
   const auto force = [&](const VectorXd& at) { return link.forces(at); };
   EXPECT_LT(tangent_error(force, u, link.stiffness(u), 1e-3), 1e-9) << dim;
-  // In space of moments on spins, at the start of a step.
+  // In space the force is the derivative of the energy at the start of a step, with moments on
+  // spins.
   if constexpr (dim == 3) turn_before(link, u);
   const auto energy = [&](const VectorXd& at) {
     double sum = 0;

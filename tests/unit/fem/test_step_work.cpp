@@ -124,8 +124,8 @@ TEST(StepWork, of_supports_that_begin_elsewhere) {
   EXPECT_LT(found.error, 1e-10 * found.work);
 }
 
-/// A stiff bar that is hit at its end: what a mean force gives to waves that are much shorter than
-/// the step is not more than its work.
+/// A stiff bar is hit at its end: where waves are much shorter than the step, the energy that a
+/// mean force gives them is not more than its work.
 TEST(StepWork, impacts_make_no_energy_with_the_strongest_damping) {
   const Json bar = {{"dimension", 2},
                     {"mesh", box_2d({4, 1}, {16, 2})},
@@ -146,7 +146,7 @@ TEST(StepWork, impacts_make_no_energy_with_the_strongest_damping) {
   }
 }
 
-/// What the log says while a free block turns by 60 degrees.
+/// Log lines while a free block turns by 60 degrees.
 std::string said_while_turning(const std::string& law) {
   const Json block = {{"dimension", 2},
                       {"mesh", box_2d({1, 1}, {2, 2})},

@@ -218,7 +218,8 @@ TEST(Hardening, rows_of_a_table) {
   EXPECT_NEAR(table.flow(200 + 1e4 * 0.05, 0, 1e4).slope, 1000, 1e-9);
 }
 
-/// Plastic work is what the stresses do beyond the elastic energy, in small steps along any way.
+/// Plastic work is the work of the stresses beyond the elastic energy, in small steps along any
+/// path.
 TEST(VonMises, plastic_work_of_a_way) {
   std::mt19937 random(4);
   Point<2> point{steel<2>(1e9, 5e9)};

@@ -238,8 +238,8 @@ TEST(YieldingStructure, cyclic_bar) {
     run_steps(*solver, 0.1, 20, 31);
     EXPECT_NEAR(reaction(), nominal(285.915e6, 0.005), 1e3);
     EXPECT_NEAR(probe(*solver, "plastic_strain"), 0.0180628, 1e-7);
-    // What the supports put in is in the elastic energy and the plastic work, but for the trapezia
-    // of the steps in which yielding begins.
+    // The work of the supports is the elastic energy and the plastic work, but for the trapezia of
+    // the steps in which yielding begins.
     const double kept = probe(*solver, "elastic_energy") + probe(*solver, "plastic_work");
     EXPECT_NEAR(probe(*solver, "external_work"), kept, 1e-2 * kept);
   }

@@ -61,7 +61,8 @@ int face_of(const Law& law, const Matrix<dim>& H, const MaterialState<dim>& stat
   return static_cast<int>(principal_return(law, eps, tau).face);
 }
 
-/// The same of a cone: -1 elastic, otherwise the YieldRegion.
+/// The part of a cone's yield surface that a step returns to: -1 elastic, otherwise the
+/// YieldRegion.
 template <int dim>
 int face_of(const DruckerPrager<dim>& law, const Matrix<dim>& H,
             const MaterialState<dim>& state_n) {

@@ -14,8 +14,8 @@ double asymmetry(const Tangent<dim>& A) {
   return (A - A.transpose()).cwiseAbs().maxCoeff();
 }
 
-/// What the law adds to the exact tangent at the apex: 1e-4 of the elastic moduli, the Hencky
-/// tangent plus P_iL F^-1_Jk, symmetrised.
+/// The term that the law adds to the exact tangent at the apex: 1e-4 of the elastic moduli, the
+/// Hencky tangent plus P_iL F^-1_Jk, symmetrised.
 template <int dim>
 Tangent<dim> apex_regularisation(double lambda, double mu, const Matrix<dim>& H,
                                  const MaterialState<dim>& state_n) {

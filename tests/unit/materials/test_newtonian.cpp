@@ -137,7 +137,7 @@ TEST(Newtonian, remembers_the_volume_alone) {
   EXPECT_EQ(rests.region, YieldRegion::elastic);
 }
 
-/// What opened has to close before pressure builds, whatever the path.
+/// Opened volume has to close before pressure builds, whatever the path.
 TEST(Newtonian, cavity_opens_and_closes_without_a_change_of_volume) {
   for (const double tension : {0., 1e4}) {
     NewtonianParameters parameters = oil();

@@ -42,7 +42,7 @@ Umat<dim> von_mises(double hardening = 1e5) {
   return umat<dim>(UMAT_VON_MISES, {2.6e6, 0.3, 2e4, hardening}, 1);
 }
 
-/// What a point remembers.
+/// State that a point keeps from call to call.
 using Memory = std::array<double, umat_state_size>;
 
 /// One accepted increment.
@@ -265,7 +265,7 @@ TEST(Umat, libraries_with_faults_are_named) {
 }
 
 #ifdef UMAT_LINEAR_ELASTIC
-/// In Fortran, with the hidden length of its name.
+/// A routine in Fortran, with the hidden length of its name.
 TEST(Umat, linear_elastic_in_fortran) {
   const UmatModel model(settings(UMAT_LINEAR_ELASTIC, {2.6e6, 0.3}), 3);
   UmatCall call{.dt = 1};

@@ -16,7 +16,7 @@ TEST(Boundary, neighbours_of_a_row_of_quads) {
                                                               -1, -1, -1, 1}));
 }
 
-/// The same triangle, run through the other way.
+/// Whether two triangles have the same nodes in opposite order.
 template <class Facet>
 bool are_turned_round(const Facet& a, const Facet& b) {
   for (int k = 0; k < 3; ++k) {

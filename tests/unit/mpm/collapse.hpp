@@ -45,8 +45,8 @@ inline Json collapse_scene(const Collapse& given) {
   return json;
 }
 
-/// The same soil, long and low, that slides over a floor of facets: the points that touch go from
-/// rank to rank, with their elastic slip.
+/// The soil of collapse_scene(), long and low, sliding over a floor of facets: the points in
+/// contact go from rank to rank, with their elastic slip.
 inline Json sliding_scene(const Collapse& given) {
   Json json = collapse_scene(given);
   json["walls"] = Json::array();

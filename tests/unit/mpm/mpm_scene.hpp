@@ -35,7 +35,7 @@ inline std::unique_ptr<Solver> make_mpm(const Json& json, MPI_Comm on = comm(),
   return make_mpm_solver(scene, in, on, output_folder, nullptr);
 }
 
-/// The same with its material points to look at.
+/// The solver of make_mpm() as the class that shows its material points.
 template <int dim>
 std::unique_ptr<mpm::MpmSolver<dim>> mpm_solver(const Json& json, MPI_Comm on = comm()) {
   auto solver = make_mpm(json, on);

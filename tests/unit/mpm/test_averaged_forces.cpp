@@ -143,7 +143,7 @@ TEST(AveragedForces, elastic_forces_are_the_derivative_of_the_energy) {
   });
 }
 
-/// The same of soil that walls hold in a plane, along an axis or not.
+/// Soil that walls hold in a plane, along an axis or not.
 TEST(AveragedForces, forces_and_tangent_in_a_held_plane_are_exact) {
   for (const Vector<3>& axis : {Vector<3>(0, 0, 1), Vector<3>(0.36, -0.48, 0.8)}) {
     for (const CellType type : {CellType::hex8, CellType::tet4}) {

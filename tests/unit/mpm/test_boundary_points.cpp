@@ -235,8 +235,8 @@ TEST(BoundaryPoints, friction_holds_up_to_its_limit_and_keeps_direction) {
     EXPECT_EQ(contact.boundary->results().counts().sliding, 1);
     EXPECT_LT((f - normal * Vector<3>(-0.24, -0.32, -1)).norm(), 1e-9);
   }
-  // What slid is gone: after a long slide, a move back by less than the elastic slip lowers the
-  // force.
+  // Slip beyond the elastic part is not recovered: after a long slide, a move back by less than the
+  // elastic slip lowers the force.
   contact.force({0.03, 0, 0.01});
   contact.accept();
   const Vector<3> back = contact.force({-0.002, 0, 0});
@@ -290,7 +290,8 @@ TEST(BoundaryPoints, small_steps_under_a_linear_displacement) {
   for (std::size_t k = 0; k < force.size(); ++k) EXPECT_NEAR(force[k], expected[k], 1e-12 * 100);
 }
 
-/// No force in the step that opens; what moves away by d touches again after d, not before.
+/// No force acts in the step that opens; soil that moves away by d is in contact again after d, not
+/// before.
 TEST(BoundaryPoints, an_open_gap_is_followed) {
   SteppedContact<2> contact(plate<2>());
   contact.force(up<2>(0.01));

@@ -44,7 +44,7 @@ std::set<std::int32_t> inside(const SoilPatch<dim>& soil, const mpm::PointWeight
   return cells;
 }
 
-/// What (S35) says, and that linear fields are still met.
+/// Equation (S35) holds, and linear fields are still exact.
 template <int dim>
 void check_cells(CellType type, int points_per_cell) {
   SCOPED_TRACE(name(type));

@@ -64,7 +64,8 @@ TEST(ContactLaw, slope_is_the_derivative_of_traction) {
   }
 }
 
-/// The slip in the step makes up for what the springs do not take: t = friction t_n + drag v^2.
+/// Slip in the step supplies the displacement that the springs do not take: t = friction t_n + drag
+/// v^2.
 TEST(ContactLaw, drag_grows_with_the_square_of_the_speed) {
   const Vector<3> gap(-0.01, 0.02, -0.03);
   for (const double drag : {1e-6, 40., 1e5}) {
@@ -136,7 +137,7 @@ TEST(ContactLaw, friction_falls_with_the_speed) {
   EXPECT_EQ(coulomb.traction<3>(gap, nullptr).by_speed, 0);
 }
 
-/// It has no part in what sticks, and none where water bears all of the pressure.
+/// The slope is zero while the contact sticks, and where water bears all of the pressure.
 TEST(ContactLaw, slope_over_the_speed_is_the_derivative_of_traction) {
   const Vector<3> gap(-0.01, 0.02, -0.03);
   for (const double drag : {0.0, 0.04}) {

@@ -105,7 +105,7 @@ TEST(ContactOutput, pressure_in_space) {
   }
 }
 
-/// What the facets carry adds up to the resultant, along the surface too.
+/// The forces of the facets add up to the resultant, along the surface too.
 TEST(ContactOutput, shear_of_a_floor_that_goes_aside) {
   for (const char* method : {"facets", "boundary_points"}) {
     const auto solver = mpm_solver<3>(lifted_block<3>(method, 0.01, 0.002));
@@ -124,7 +124,7 @@ TEST(ContactOutput, shear_of_a_floor_that_goes_aside) {
   }
 }
 
-/// A block that touches a floor overlaps nothing where the floor falls away beside it.
+/// A block in contact with a floor overlaps nothing where the floor falls away beside it.
 TEST(ContactOutput, no_overlap_beyond_a_crest) {
   Json json = lifted_block<2>("facets");
   json["rigid_walls"][0]["surface"] = {{"polyline", {{1.4, -0.15}, {1, 0}, {-0.2, 0}}},
@@ -220,7 +220,7 @@ TEST(ContactOutput, sliding_soil) {
   }
 }
 
-/// What is saved gives the same fields again.
+/// A saved state gives the same fields again.
 TEST(ContactOutput, restart_keeps_the_fields) {
   for (const char* method : {"facets", "boundary_points"}) {
     const Json json = lifted_block<2>(method);

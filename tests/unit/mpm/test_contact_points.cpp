@@ -27,7 +27,7 @@ ContactSettings<2> surface_through(const std::vector<Vector<2>>& vertices) {
   return settings;
 }
 
-/// Soil that fills the unit box in 3 x 3 cells, and what touches it.
+/// Soil that fills the unit box in 3 x 3 cells, and a surface in contact with it.
 struct Met {
   SoilPatch<2> soil{CellType::quad4, 3};
   mpm::FacetParts<2> parts;

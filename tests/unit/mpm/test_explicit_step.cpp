@@ -113,7 +113,7 @@ Json pushed_by_facets(double courant) {
   return json;
 }
 
-/// What the structure is told is what the soil feels: p' - p = dt F, whatever the substeps.
+/// The force that the structure receives is that on the soil: p' - p = dt F, whatever the substeps.
 TEST(ExplicitStep, impulse_of_an_interface) {
   for (const double courant : {0.9, 0.03}) {
     Json json = pushed_by_facets(courant);

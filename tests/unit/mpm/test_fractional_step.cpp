@@ -48,7 +48,7 @@ TEST(FractionalStep, soil_rests_for_a_thousand_steps) {
   EXPECT_LT(probe(*solver, "kinetic_energy"), 1e-12);
 }
 
-/// What a layer gives up in 0.04 s.
+/// Water that leaves a layer and its settlement after 0.04 s.
 struct Outflow {
   double out;       ///< [m^3]
   double pressure;  ///< in the middle, by the buoyant weight of 1 m

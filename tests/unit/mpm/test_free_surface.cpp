@@ -75,7 +75,7 @@ double sum_of_sizes(const std::vector<mpm::OuterPoint<dim>>& surface) {
   return sum;
 }
 
-/// Wherever the lines of the grid cut it.
+/// The surface does not depend on how the lines of the grid cut the block.
 TEST(FreeSurface, of_a_block_is_its_outermost_points) {
   for (const double offset : {0.0, 1.0 / 3, 0.5, 0.9}) {
     SCOPED_TRACE(offset);

@@ -66,7 +66,8 @@ void expect_balance(const Json& json, const std::string& name) {
   EXPECT_NEAR(probe(*solver, "momentum_y"), -0.24 * mass, 1e-8) << name;
 }
 
-/// In free flight what is left goes on undisturbed, and what has gone stays in the books.
+/// In free flight the points that are left go on undisturbed, and those removed stay in the
+/// balances.
 TEST(GridExits, removed_points_stay_in_the_balances) {
   expect_balance(leaving("quad4"), "quad4");
   expect_balance(leaving("tri3"), "tri3");

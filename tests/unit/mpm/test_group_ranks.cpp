@@ -57,8 +57,8 @@ double probe_of(const Solver& solver, const std::string& name) {
   return found == names.end() ? NAN : solver.probes()[found - names.begin()];
 }
 
-/// The same steps on all ranks together and on each rank alone; a restart on the other number in
-/// the middle, both ways.
+/// Take equal steps on all ranks together and on each rank alone, with a restart on the other
+/// number of ranks in the middle, in both directions.
 void check(const GroupCase& given) {
   SCOPED_TRACE(given.basis + " " + given.scheme + " " + given.locking);
   const double tolerance = given.scheme == "explicit" ? 1e-8 : 1e-7;

@@ -35,7 +35,8 @@ struct Stopped {
   void find() { stop.find(soil.points, soil.weights, walls, 0.1, soil.nodes); }
 };
 
-/// What the points have at the held nodes beyond what they would have if they moved with `v`.
+/// Momentum of the points at the held nodes beyond that which they would have if they moved with
+/// `v`.
 template <int dim>
 double through_walls(const Stopped<dim>& at, std::vector<Vector<dim>> v) {
   const auto& [soil, walls] = std::tie(at.soil, at.walls);

@@ -22,7 +22,7 @@ mpm::PlacedSurface<2> placed(const Line& line) {
   return surface;
 }
 
-/// The same lines across y from 0 to 1, in rows.
+/// The line extruded along y, with vertices in rows from 0 to 1.
 mpm::PlacedSurface<3> placed(const Line& line, const std::vector<double>& rows) {
   mpm::PlacedSurface<3> surface;
   const auto m = static_cast<std::int32_t>(rows.size());

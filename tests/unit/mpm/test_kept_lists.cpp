@@ -229,7 +229,7 @@ struct Ground {
   }
 };
 
-/// A point that goes from x to y, having touched something or not.
+/// A point that goes from x to y, with or without a contact before.
 template <int dim>
 struct Going {
   Vector<dim> x, y;
@@ -423,8 +423,8 @@ void check_order(Falling<dim>& scene, const State& state, const std::vector<doub
   }
 }
 
-// A contact that keeps what it found, through steps in which points and a plate move, against one
-// that is made anew from its state at the start of each step.
+// A contact that keeps its lists through steps in which points and a plate move, against one that
+// is made anew from its state at the start of each step.
 template <int dim>
 void check_steps(mpm::Basis basis, bool elastic) {
   Falling<dim> scene(basis, elastic);

@@ -190,7 +190,7 @@ TEST(Ledger, energy_of_a_linear_bar_is_accounted_for_exactly) {
   }
 }
 
-/// A rest that is not zero: stresses between the ends of a step are not known.
+/// A remainder that is not zero: stresses between the ends of a step are not known.
 double rest(const std::string& law, int steps) {
   const auto solver = make_mpm(bar(law, trapezoid));
   run_steps(*solver, 1.6 / steps, steps);

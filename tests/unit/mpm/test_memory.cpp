@@ -73,7 +73,7 @@ TEST(Memory, cells_without_soil_take_none) {
   EXPECT_LT(bytes_of_collapse(times) - small, cells);  // a mesh would take 40 for each
 }
 
-/// What a step needs alone is given up while others want memory; nothing else changes by it.
+/// Memory that only a step needs is given up while others want memory; nothing else changes by it.
 TEST(Memory, a_frame_or_a_saved_state_between_steps_changes_no_bit) {
   Json json = collapse_scene({.basis = "gimp", .locking = "fbar"});
   json["linear_solver"] = {{"method", "bicgstab"},

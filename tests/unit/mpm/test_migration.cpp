@@ -7,7 +7,7 @@
 namespace gabion::test {
 namespace {
 
-/// The same steps on all ranks together and on each rank alone.
+/// Take equal steps on all ranks together and on each rank alone.
 void check_scene(const Json& json, int steps, double tolerance) {
   const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
   expect_same_points<2>(shared->points(), alone->points(), 0);
@@ -93,7 +93,8 @@ TEST(Migration, points_lie_on_the_rank_of_their_cell) {
   EXPECT_EQ(std::count(ids.begin(), ids.end(), 1), std::ssize(ids));
 }
 
-/// What moves keeps every bit of every field: here all points go to the next rank and back.
+/// A point that moves to another rank keeps every bit of every field: here all points go to the
+/// next rank and back.
 TEST(Migration, moved_points_keep_all_fields) {
   Json json = collapse_scene({.basis = "gimp"});
   json["transfer"] = {{"method", "tpic"}};

@@ -25,7 +25,7 @@ void expect_same_fields(const mpm::MpmSolver<2>& shared, const mpm::MpmSolver<2>
   }
 }
 
-/// The same steps on all ranks together and on each rank alone.
+/// Take equal steps on all ranks together and on each rank alone.
 void check_ranks(const RankCase& given) {
   SCOPED_TRACE(given.basis + " " + given.cells + " " + given.locking + " " + given.small_cuts +
                " " + given.contact + (given.explicit_steps ? " explicit" : ""));

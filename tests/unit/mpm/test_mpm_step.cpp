@@ -146,7 +146,7 @@ TEST(MpmStep, collision_conserves_momentum) {
   }
 }
 
-/// What a solution leaves out must not look like a change of the interface.
+/// Parts that a solution leaves out must not look like a change of the interface.
 TEST(MpmStep, further_coupling_iterations_are_solved_a_hundred_times_closer) {
   Json json = collision();
   json["newton"] = {{"residual_tolerance", 0.01}, {"increment_tolerance", 1}};

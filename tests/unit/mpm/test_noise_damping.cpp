@@ -158,7 +158,8 @@ TEST(NoiseDamping, share_follows_time_stress_and_shear) {
   EXPECT_EQ((mpm::NoiseDamping{3, dt, h}.share(0, 1)), 0);
 }
 
-/// What alternates in cells that shear is damped by their inertial number, the shear is left.
+/// Velocity that alternates in cells that shear is damped by their inertial number, the shear is
+/// left.
 TEST(NoiseDamping, spares_what_flows) {
   const double h = 1.0 / 8;
   const double c = 3;

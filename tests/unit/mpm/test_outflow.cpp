@@ -49,8 +49,8 @@ void take_steps(Solver& solver, double dt, int first, int count) {
   }
 }
 
-/// Mass, momentum and energy of what has gone stay in the books, though it was under stress and did
-/// not fall freely.
+/// Mass, momentum and energy of what has gone stay in the balances, though it was under stress and
+/// did not fall freely.
 void expect_balances(int dim, const std::string& basis, const std::string& transfer) {
   SCOPED_TRACE(std::to_string(dim) + basis + transfer);
   const auto solver = make_mpm(sliding(dim, basis, transfer));
@@ -64,8 +64,8 @@ void expect_balances(int dim, const std::string& basis, const std::string& trans
   EXPECT_NEAR(probe(*solver, "edge.passed_mass"), removed, 1e-12 * mass);
   EXPECT_NEAR(probe(*solver, "edge.passed_momentum_x"), probe(*solver, "removed_momentum_x"),
               1e-12 * mass);
-  // What leaves under stress takes half of its last acceleration along, what stays keeps the other
-  // half of the reaction.
+  // Soil that leaves under stress takes half of its last acceleration along, soil that stays keeps
+  // the other half of the reaction.
   EXPECT_NEAR(probe(*solver, "momentum_x") + probe(*solver, "removed_momentum_x"), 3 * mass,
               2e-3 * 3 * mass);
   EXPECT_GT(probe(*solver, "removed_elastic_energy"), 1e-4 * energy);
@@ -183,7 +183,7 @@ TEST(Outflow, a_probe_that_has_left_is_empty_and_the_run_goes_on) {
   EXPECT_FALSE(solver->summary().contains("soil_left_at"));
 }
 
-/// Whatever the way of stepping and the surfaces: nothing is left, nothing acts, the books stay.
+/// Whatever the steps and the surfaces are: no soil is left, no force acts, the balances stay.
 void expect_goes_on_without_soil(Json json) {
   const auto solver = make_mpm(json);
   const double mass = probe(*solver, "mass");

@@ -100,7 +100,7 @@ TEST(Pools, soil_under_water_rests) {
   }
 }
 
-/// What walls of the grid carry: the base soil and water, a side the thrust of both.
+/// Forces on walls of the grid: the base carries soil and water, a side the thrust of both.
 TEST(Pools, walls_of_the_grid_carry_soil_and_water) {
   const double level = 1.5;
   const auto solver = mpm_solver<2>(flooded_box(level));

@@ -35,7 +35,7 @@ double largest_motion(const mpm::MaterialPoints<dim>& points) {
 }
 
 /// The state that a damped dynamic run with endless steps comes to, but without motion left. The
-/// ways there differ, and with them the positions at which the shape functions are taken: by the
+/// paths to it differ, and with them the positions at which the shape functions are taken: by the
 /// strain, here 4e-5.
 TEST(QuasiStatic, is_the_limit_of_long_dynamic_steps) {
   for (const char* type : {"quad4", "tri3"}) {

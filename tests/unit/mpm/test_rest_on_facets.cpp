@@ -37,7 +37,7 @@ Json in_a_corner(const std::string& basis, const std::string& mode) {
   return json;
 }
 
-/// The same in explicit steps.
+/// The scene with explicit steps.
 Json in_explicit_steps(Json json) {
   json["time_integration"] = {{"scheme", "explicit"}};
   json.erase("newton");
@@ -45,7 +45,7 @@ Json in_explicit_steps(Json json) {
   return json;
 }
 
-/// The same without stress at the start: gravity grows over three steps.
+/// The scene without stress at the start: gravity grows over three steps.
 Json under_a_ramp(Json json) {
   json["bodies"][0].erase("initial_stress");
   json["gravity_ramp"] = {{"duration", 0.006}};
@@ -155,8 +155,8 @@ TEST(RestOnFacets, a_touch_that_took_weight_keeps_its_stiffness) {
   EXPECT_GT(std::abs(probe(*straight, "corner.fy")), 1.5 * std::abs(probe(*lax, "corner.fy")));
 }
 
-/// The same with a surface for the wall and two for the floor, which are one contact. The seam
-/// between them moves off the soil that lies on it.
+/// One surface for the wall and two for the floor, which are one contact. The seam between them
+/// moves off the soil that lies on it.
 TEST(RestOnFacets, surfaces_that_meet_bear_their_soil_and_go_on) {
   Json json = in_a_corner("gimp", "contact");
   Json wall = json["rigid_walls"][0], far = wall, near = wall;
@@ -320,8 +320,8 @@ TEST(RestOnFacets, soil_free_of_stress_beside_stressed_soil) {
   }
 }
 
-/// Soil that lies farther from the surface than it was laid does not touch it, and neither does
-/// soil without initial stress.
+/// Soil that lies farther from the surface than it was laid is not in contact with it, and neither
+/// does soil without initial stress.
 TEST(RestOnFacets, only_stressed_soil_that_touches) {
   Json json = in_a_corner("gimp", "slip");
   json["bodies"][0]["initial_stress"]["max_displacement"] = 100;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr int half = 20, all = 40;
 
-/// The same ranks: every bit, the partition included. On several ranks MUMPS adds in the order of
-/// messages, so the steps are solved by conjugate gradients there.
+/// On as many ranks every bit is restored, the partition included. On several ranks MUMPS adds in
+/// the order of messages, so the steps are solved by conjugate gradients there.
 TEST(RestartOnRanks, the_same_number_gives_the_same_bits) {
   for (const bool slides : {false, true}) {
     const Collapse soil = {.basis = "gimp", .law = "neo_hookean"};

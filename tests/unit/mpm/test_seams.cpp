@@ -30,7 +30,7 @@ ContactSettings<2> piece(const std::vector<Vector<2>>& line, double friction = 0
   return settings;
 }
 
-/// Triangles over a grid of stations along two ways.
+/// Triangles over a grid of stations in two directions.
 ContactSettings<3> sheet(const std::vector<Vector<3>>& along, const std::vector<double>& across,
                          double friction = 0.3) {
   ContactSettings<3> settings;
@@ -101,7 +101,7 @@ class Drawn {
 };
 
 /// The largest difference of forces between surfaces that are cut in different ways, over their
-/// largest force, on a way along x.
+/// largest force, on a path along x.
 template <int dim>
 double difference(const Pieces<dim>& one, const Pieces<dim>& other, double down) {
   Drawn<dim> a(one), b(other);

@@ -218,7 +218,7 @@ double error_on_facets(double offset, bool with_side) {
 }
 
 /// A floor and a side of facets close the soil as walls of the grid do, wherever the lines of the
-/// grid lie. Contact at the side gives way, so the soil is strained there; a side that drains would
+/// grid lie. Contact at the side yields, so the soil is strained there; a side that drains would
 /// leave no excess at all.
 TEST(SeepageFace, ends_at_rigid_walls) {
   for (const double offset : {0.0, 1.0 / 3, 0.5}) {
@@ -239,7 +239,7 @@ double outflow_of(const Json& json, int dim) {
   return probe(*solver, "water_out");
 }
 
-/// What leaves does not depend on how points are laid: by triangles, or by cells that are taller
+/// The outflow does not depend on how points are laid: by triangles, or by cells that are taller
 /// than those of the grid are wide.
 TEST(SeepageFace, is_on_top_only_however_points_are_laid) {
   const double regular = outflow_of(layer_scene({}), 2);

@@ -190,7 +190,7 @@ TEST(SeepageTangent, agrees_with_differences_under_pools) {
   EXPECT_LT(space.error(space.random_unknowns(0.01), 1e-4), 1e-7);
 }
 
-/// What a pool does to soil that does not move is its buoyancy, whatever the cells.
+/// The force of a pool on soil that does not move is its buoyancy, whatever the cells.
 TEST(SeepageForces, force_of_a_pool_is_the_weight_of_its_water) {
   std::vector<mpm::Pool> pools(1);
   pools[0].level = TimeFunction::constant(5);
@@ -214,8 +214,8 @@ TEST(SeepageTangent, agrees_with_differences_in_space) {
   }
 }
 
-/// What one place loses another gets: the rows of all nodes add up to what the points hold more and
-/// what left, whatever seeps and whatever stabilises.
+/// Water that one place loses another gets: the rows of all nodes add up to the change of the water
+/// in the points and that which left, whatever the seepage and the stabilisation.
 void rows_add_up(double suction_limit) {
   for_each_form([suction_limit](mpm::Basis basis, bool averages, bool inertia) {
     WetBalance<2> plane(basis, averages, inertia, false, {}, suction_limit);

@@ -170,8 +170,8 @@ TEST(SharedVolumes, a_second_time_changes_nothing) {
   });
 }
 
-/// What one point has opened the others of its cell have to close: equal volumes, one opened by g,
-/// three squeezed by s, have no pressure while g > 3 s.
+/// Volume that one point has opened the others of its cell have to close: equal volumes, one opened
+/// by g, three squeezed by s, have no pressure while g > 3 s.
 TEST(SharedVolumes, what_one_point_opened_is_closed_by_its_group) {
   const double s = 0.01;
   for (const double g : {0.02, 0.06}) {

@@ -61,7 +61,7 @@ std::array<double, 2> impulses(const ThinWall& given, bool with_left, bool with_
   return sum;
 }
 
-/// What the wall feels on each face is what it feels with the soil of that face alone.
+/// The impulse on each face of the wall is that with the soil of this face alone.
 void expect_as_alone(const ThinWall& given) {
   const auto both = impulses(given, true, true);
   const double left = impulses(given, true, false)[0], right = impulses(given, false, true)[1];
@@ -130,8 +130,8 @@ std::array<Vector<2>, 2> impulses_at_corner(const ThinWall& given, double outer,
   return sum;
 }
 
-/// What each side feels is what it feels if the other one is slower by 40 %, and nearly what it
-/// feels alone.
+/// The impulse on each face is the same when the soil at the other one is slower by 40 %, and
+/// nearly that without other soil.
 TEST(SideFields, sides_of_a_corner_do_not_act_on_each_other) {
   for (const char* basis : {"linear", "gimp", "bspline"}) {
     for (const double thickness : {0.0, 0.5, 1.0}) {

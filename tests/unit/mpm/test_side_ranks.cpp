@@ -50,8 +50,8 @@ Json scene(const SideCase& given) {
   return json;
 }
 
-/// The same steps on all ranks together and on each rank alone; a restart on the other number in
-/// the middle.
+/// Take equal steps on all ranks together and on each rank alone, with a restart on the other
+/// number of ranks in the middle.
 void check(const SideCase& given) {
   SCOPED_TRACE(given.basis + " " + given.scheme + " " + given.locking + " " + given.small_cuts +
                (given.tall ? " tall" : "") + " thickness " + std::to_string(given.thickness) +

@@ -26,7 +26,7 @@ Json walled(double x, const std::string& method = "facets") {
              {"surface", {{"polyline", {{x, 0.6}, {x, -0.1}}}, {"spacing", 0.25}}}}}}};
 }
 
-/// The same in space: soil below the bottom of a block, or the block's other sides.
+/// Soil in space, below the bottom of a block or beside one of its other sides.
 Json below_block(double z, const std::string& group = "bottom") {
   return {
       {"dimension", 3},
@@ -54,7 +54,7 @@ std::vector<mpm::StartSurface<dim>> surfaces_of(const mpm::MpmSettings<dim>& set
   return all;
 }
 
-/// What is said of thin walls at the start.
+/// Warnings of thin walls at the start.
 template <int dim>
 std::vector<std::string> thin_walls(const Json& json) {
   const auto solver = mpm_solver<dim>(json);
@@ -119,7 +119,7 @@ TEST(StartCheck, soil_inside_is_refused) {
                  {"/interfaces/0/surface", "\"block\"", "material points inside"});
 }
 
-/// Soil that fills the place of a structure exactly touches it from both sides.
+/// Soil that fills the place of a structure exactly is in contact with both of its sides.
 TEST(StartCheck, soil_that_fills_the_structure_is_refused) {
   Json json = walled(1);
   json["rigid_walls"][0]["surface"]["polyline"] = {

@@ -153,7 +153,7 @@ TEST(StepControl, error_of_a_step_is_that_of_newmarks_method) {
   EXPECT_EQ(report.details["dt_limit"], static_cast<int>(DtLimit::time_error));
 }
 
-/// What a few stray points run into.
+/// The obstacle that a few stray points run into.
 enum class Obstacle { wall, facets, boundary_points };
 
 /// The next dt after a step in which a block of one cell runs into an obstacle at 1 m/s while a
@@ -226,7 +226,7 @@ TEST(StepControl, stray_points_that_run_into_a_wall_do_not_decide) {
   EXPECT_GT(proposal_of_stray_points(Obstacle::wall, 100).dt, 1.2 / 256);
 }
 
-/// A block in flight that hits a wall: long steps on the way, short ones while it bounces.
+/// A block in flight that hits a wall: long steps in flight, short ones while it bounces.
 TEST(StepControl, steps_are_short_in_an_impact) {
   const auto solver = make_mpm({{"dimension", 2},
                                 {"grid", box({0, 0}, {4, 1}, {16, 4}, "quad4")},

@@ -192,7 +192,7 @@ TEST(StrengthReduction, failure_is_told_from_what_was_not_solved) {
   EXPECT_NEAR(slid.at("factor_of_safety").get<double>(), 1.7, 0.01);
 }
 
-/// Nothing that is known of a search that has not begun or is over.
+/// A failure is an error before a search begins and after its end.
 TEST(StrengthReduction, failures_outside_of_a_search_are_refused) {
   const mpm::StrengthReduction settings{.max_displacement = 1};
   mpm::StrengthSearch search;

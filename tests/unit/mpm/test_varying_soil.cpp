@@ -16,7 +16,7 @@ Json by_depth(const Json& rows, double below) {
   return {{"by_depth", rows}, {"below", below}};
 }
 
-/// The same value in all depths.
+/// One value at all depths.
 Json everywhere(double value) {
   return by_depth({{-100, value}, {100, value}}, 0);
 }

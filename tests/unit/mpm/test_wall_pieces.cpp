@@ -18,7 +18,7 @@ mpm::WallSettings slip(const std::string& group, const std::vector<double>& velo
   return {.group = group, .fixed = false, .where = "/" + group, .motion = {velocity, {}}};
 }
 
-/// What walls do to each node of a mesh.
+/// Constraint of the walls on each node of a mesh.
 template <int dim>
 struct Held {
   mpm::BackgroundGrid<dim> grid;

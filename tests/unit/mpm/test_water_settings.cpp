@@ -29,7 +29,7 @@ TEST(WaterSettings, values_that_look_like_another_unit_are_warned_of) {
   expect_parts(texts()[0], {"/bodies/0/water/porosity", "less than most soil has"});
 }
 
-/// What is wrong with the settings after a change of the first body.
+/// The settings after a change of the first body are refused with these words.
 void expect_refused(const Json& change, const std::vector<std::string_view>& parts) {
   Json json = saturated_box(2, "quad4", 2, saturated_elastic());
   json["bodies"][0]["initial_stress"] = at_rest(0.8);

@@ -7,7 +7,7 @@
 
 namespace gabion::test {
 
-/// A limit on the size of files stands for a full disk: the system refuses the write.
+/// A limit on the size of files represents a full disk: the system refuses the write.
 class SmallDisk {
  public:
   explicit SmallDisk(rlim_t bytes) {

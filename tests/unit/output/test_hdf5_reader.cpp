@@ -80,7 +80,7 @@ TEST_F(Hdf5ReaderTest, nothing_is_allocated_for_values_that_the_file_does_not_ho
   expect_error<Error>([&] { Hdf5Reader(sparse).reals("d"); }, {sparse, "dataset d", "damaged"});
   const std::string wide = file_with({hsize_t{1} << 31, hsize_t{1} << 31}, H5T_NATIVE_CHAR);
   expect_error<Error>([&] { Hdf5Reader(wide).integers("d"); }, {wide, "allowed: what a file"});
-  // What compresses best is read.
+  // The values that compress best are read.
   Hdf5File file(path("zeros.h5"));
   file.write("d", 1, std::vector<double>(3000000));
   file.finish();

@@ -30,7 +30,7 @@ class RawParticipant {
     const auto frames = socket_.receive(milliseconds);
     return frames ? decode(std::span(*frames)) : Message{};
   }
-  /// The same, signs of life left out.
+  /// The next message that is no sign of life.
   Message receive(int milliseconds = 50000) {
     Message message;
     do {

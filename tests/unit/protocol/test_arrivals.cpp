@@ -70,7 +70,7 @@ TEST(Arrivals, none_goes_to_a_participant_before_its_welcome) {
 TEST(Arrivals, endpoints_of_ipv6_are_understood) {
   ServerSettings settings = patient_settings();
   settings.endpoint = "tcp://[::1]:*";
-  // The second one names the machine in other words, which takes the way over the network.
+  // The second one names the machine in other words, so that messages go over the network.
   for (const std::string host : {"tcp://[::1]", "tcp://[0::1]"}) {
     std::unique_ptr<Server> server;
     try {

@@ -18,7 +18,7 @@ struct Outcome {
   std::string participant;  // reason in "refused"
 };
 
-/// What becomes of this first message of a participant.
+/// The coupler's reaction to this first message of a participant.
 Outcome outcome_of(const Message& hello, const std::vector<Expected>& participants) {
   Server server(patient_settings());
   RawParticipant raw(server.endpoint(), "raw");

@@ -188,7 +188,7 @@ class GoneCoupler {
         talk_(std::async(std::launch::async, [this, process, last] { talk(process, last); })) {}
 
   const std::string& endpoint() const { return endpoint_; }
-  /// What the participant said last, signs of life left out.
+  /// The participant's last message that is no sign of life.
   Message last_answer() {
     talk_.wait();
     return receive();

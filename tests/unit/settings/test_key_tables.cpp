@@ -139,7 +139,7 @@ void expect_the_same_read_again(const std::string& file, const KeyTable& table,
   EXPECT_EQ(again.resolved(), in.resolved());
 }
 
-/// What was read, defaults included, is a file that reads as the same.
+/// The values read, defaults included, are a file that reads as the same.
 TEST(KeyTables, what_a_scene_resolves_to_is_complete_and_reads_as_the_same) {
   int count = 0;
   for (const auto& folder : std::filesystem::directory_iterator(GABION_CONFIGS)) {

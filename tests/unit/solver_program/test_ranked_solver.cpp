@@ -92,7 +92,7 @@ class Script : public RequestSource {
   std::size_t next_ = 0;
 };
 
-/// What all ranks do with these requests.
+/// Let all ranks follow these requests.
 void follow(Script& script, Solver& inner) {
   RankedSolver solver(comm(), inner);
   if (rank() == 0) {
@@ -309,7 +309,7 @@ TEST(RankedSolver, every_rank_gets_its_part_of_a_file_back) {
   Script loading({load, new_message("finish")});
   follow(loading, recorder);
   EXPECT_EQ(recorder.part, part);
-  // What it holds is what the arrays would have held.
+  // The file holds what the arrays would have held.
   const State all = gather_state(comm(), Recorder().save_state());
   if (rank() == 0) {
     const Hdf5Reader file(path);

@@ -35,7 +35,7 @@ struct Tip {
   double down, inward;
 };
 
-/// The same with one cell of width 1 across, bent in the plane of x and y.
+/// The scene in space: one cell of width 1 across, bent in the plane of x and y.
 Json in_3d(Json json, int cells_along, double force) {
   json["dimension"] = 3;
   json["mesh"] = box_3d({length, thickness, 1}, {cells_along, 1, 1});

@@ -30,7 +30,7 @@ struct DrivenBlock {
     accept();
   }
 
-  /// The same without accepting it: f_int only.
+  /// The step of move() without accepting it: f_int only.
   void try_move(const Matrix<dim>& H, const Vector<dim>& centre) {
     soil.to_grid();
     motion_ = {};

@@ -14,7 +14,7 @@
 
 namespace gabion::test {
 
-/// What the material points of a cap say.
+/// State of a cap from its material points.
 struct CapState {
   double t = 0;                ///< since ramp / 2 [s]
   double mass = 0;             ///< [kg/m]

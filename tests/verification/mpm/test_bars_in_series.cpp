@@ -98,8 +98,8 @@ TEST(V20_BarsInSeries, force_is_that_of_three_springs) {
   }
 }
 
-/// The same by facets, in finite strain: Hencky's law, nu = 0. With the stretches s1 and
-/// s2 of the bars and the depth d,
+/// The bars with facets, in finite strain: Hencky's law, nu = 0. With the stretches s1 and s2 of
+/// the bars and the depth d,
 ///
 ///     F / A = -E1 ln(s1) / s1 = q - E2 ln(s2) / s2 = (A' / A) c E1 (d / h)^2 ,
 ///     L1 (1 - s1) + L2 (1 - s2) + d = D

@@ -109,7 +109,7 @@ TEST(BodyGroups, block_of_soil_on_a_bed_of_soil) {
   }
 }
 
-/// From a state of rest under its weight.
+/// The block starts from a state of rest under its weight.
 TEST(BodyGroups, block_that_friction_holds) {
   for (const double height : {1.0, 1.25}) {
     Json scene = block_on_bed({.friction = 0.7, .height = height});

@@ -70,7 +70,7 @@ TEST(VB4_Rolling, balls_on_a_slope) {
       0.5 * end.spin().norm(), 1e-9, "m/s");
 }
 
-/// What slides on level ground ends in rolling, with v_0 / (1 + J / (m R^2)).
+/// A body that slides on level ground ends in rolling, with v_0 / (1 + J / (m R^2)).
 TEST(VB5_SlidingStart, balls_on_level_ground) {
   Scene disc = sphere_on_ground<2>(0, {.friction = 0.4});
   disc.now.states[0].v[0] = 3;

@@ -94,7 +94,7 @@ Isochrone isochrone(const Column& column, const std::vector<Vector<2>>& start,
   return result;
 }
 
-/// What tables have at a time: pressures at distances from the drained end.
+/// Row of a published table at a time: pressures at distances from the drained end.
 struct TableRow {
   double t;
   std::vector<double> pressures;  ///< at 0.75, 0.5, 0.25 of the height from the drained end [Pa]
@@ -262,7 +262,7 @@ struct Mandel {
   }
   double decay(double r, double t) const { return std::exp(-r * r * t * kappa * M / (a * a)); }
   static double p0() { return F * 1.5 / (3 * a); }
-  /// Of the plate, by the height of the strip.
+  /// Settlement of the plate over the height of the strip.
   double plate(double t) const {
     const double G = E / (2 * (1 + nu));
     double sum = 0;

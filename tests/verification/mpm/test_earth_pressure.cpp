@@ -81,8 +81,8 @@ void check_k0(const std::string& type, int points_per_cell) {
           .unit = "N"});
 }
 
-/// The same with F-bar, whose groups have one pressure each: it still presses on the wall as it
-/// should.
+/// The K0 box with F-bar, whose groups have one pressure each: the pressure on the wall is still
+/// that of K0.
 void check_k0_of_groups(const std::string& type, const std::string& basis, int points_per_cell) {
   Json json = soil_box<2>(type, 8, points_per_cell, sand(1e8, 30), 4);
   json["basis"] = basis;

@@ -153,7 +153,7 @@ TEST(RigidWalls, block_on_an_incline_with_turbulent_drag) {
   }
 }
 
-/// The same with friction mu_r + (mu_s - mu_r) exp(-v / v_c), v_0 at the start:
+/// A block on a slope with friction mu_r + (mu_s - mu_r) exp(-v / v_c), v_0 at the start:
 ///
 ///     exp(v / v_c) = (exp(v_0 / v_c) + b / a) exp(-a t / v_c) - b / a ,
 ///     a = g (mu_r cos - sin) ,  b = g (mu_s - mu_r) cos
@@ -212,7 +212,7 @@ TEST(RigidWalls, block_whose_friction_falls_with_its_speed) {
   }
 }
 
-/// Where it stops: the way is the integral of the speed above, here by Simpson's rule.
+/// Where the block stops: its path is the integral of the speed above, here by Simpson's rule.
 TEST(RigidWalls, block_that_stops_as_its_friction_grows) {
   const Weakening level{0, 2, 0.6};
   double exact = 0;

@@ -41,7 +41,7 @@ void saturate(const Footing& footing, Json& soil) {
   soil["water"] = {{"porosity", 0.4}, {"cavitation_pressure", 1e6}};
 }
 
-/// What pushes the soil.
+/// The plate that pushes the soil.
 Json rough_plate(const Footing& footing, double h, bool by_facets) {
   Json json = {{"name", "footing"},
                {"surface",

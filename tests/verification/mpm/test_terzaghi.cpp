@@ -34,7 +34,7 @@ double root(int i) {
   return (2 * i + 1) * std::numbers::pi / 2;
 }
 
-/// Of the load. @param z  from the drained end
+/// Excess pressure under the load, in parts of the load. @param z  from the drained end
 double pressure_under_load(double z, double T) {
   double sum = 0;
   for (int i = 0; i < 100; ++i) {
@@ -50,7 +50,7 @@ double degree_under_load(double T) {
   return 1 - missing;
 }
 
-/// Of the buoyant weight G H, when the soil is laid at once.
+/// Excess pressure under the buoyant weight G H, in parts of it, when the soil is laid at once.
 double pressure_under_weight(double z, double T) {
   double sum = 0;
   for (int i = 0; i < 100; ++i) {
@@ -120,8 +120,8 @@ State consolidate(const Drained& column, double T, int steps) {
   return result;
 }
 
-/// What the series have at T: degree of consolidation, and the settlement in the end. Loads of
-/// 1e-3 M cost about 1e-3 by finite strain.
+/// Values of the series at T: degree of consolidation, and the settlement in the end. Loads of 1e-3
+/// M cost about 1e-3 by finite strain.
 void compare(const std::string& id, const std::string& name, const Drained& column, double end,
              double (*degree)(double)) {
   for (const double T : {0.1, 0.2, 0.5}) {

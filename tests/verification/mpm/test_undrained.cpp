@@ -20,9 +20,9 @@ struct Soil {
 
   explicit Soil(double K_w) : Q(K_w / porosity) {}
   double wave_speed() const { return std::sqrt((M + Q) / saturated_density); }
-  /// Pressure over the stress of a loaded side that cannot give way sideways.
+  /// Pressure over the stress of a loaded side where the soil cannot expand sideways.
   double confined() const { return Q / (M + Q); }
-  /// The same of a strip in plane strain whose other sides are free (Skempton 1954).
+  /// This ratio for a strip in plane strain whose other sides are free (Skempton 1954).
   double strip() const {
     const double B = Q / (K + Q), K_u = K + Q, nu_u = (3 * K_u - 2 * G) / (2 * (3 * K_u + G));
     return B * (1 + nu_u) / 3;

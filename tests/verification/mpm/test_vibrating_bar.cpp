@@ -228,8 +228,9 @@ TEST(V7_VibratingBar, points_cross_cells_3d) {
   for (const std::string basis : {"gimp", "bspline"}) check_crossing<3>(basis, 1, 100);
 }
 
-/// The same bar of linear finite elements with lumped mass in a line, a reference of its own:
-/// neo-Hookean, P = E / 2 (F - 1 / F), central differences at a tenth of the stable step.
+/// Displacements of the bar's middle, computed for reference by linear finite elements with lumped
+/// mass in a line: neo-Hookean, P = E / 2 (F - 1 / F), central differences at a tenth of the stable
+/// step.
 std::vector<double> reference_motion(const Bar& bar, int steps_per_period, int steps) {
   constexpr int cells = 800, substeps = 40;
   const double h = L / cells, dt = bar.period() / steps_per_period / substeps;

@@ -69,7 +69,7 @@ Json scene_of(const Layer& layer, double speed) {
           {"linear_solver", {{"method", "lu"}}}};
 }
 
-/// Of the middle part of the layer.
+/// State of the middle part of the layer.
 struct Middle {
   double stress = 0;          ///< mean shear stress [Pa]
   double slip = 0;            ///< by the softening strain [m]

@@ -193,7 +193,7 @@ TEST(VA19_RunOut, remoulded_clay_comes_to_rest_on_its_slope) {
   std::size_t k = 1;
   while (k + 1 < depths.size() && depths[k] > shallow) ++k;
   const double share = (depths[k - 1] - shallow) / (depths[k - 1] - depths[k]);
-  // Of the column at the wall, in its middle.
+  // Slope of the surface in the middle of the column at the wall.
   const double slope = c / (rho * g * exact.height - M_PI / 2 * c);
   const std::string what = "deposit of 8 m^2 of clay of 1.13 kPa, Tresca, cells of 0.1 m: ";
   verify({.id = "VA19",
