@@ -65,7 +65,7 @@ gabion_status gabion_set_keys(gabion_participant* p, const char* key_file,
  *   coordinates         [m], num_vertices x dimension, row by row
  *   vertices_per_facet  2, 3, 4; 0 for bare points
  *   facets              vertex numbers from 0, num_facets x vertices_per_facet; normals out of
- *                       the structure: in 2D to the right of the way along the segment */
+ *                       the structure: in 2D to the right of the segment from its first vertex */
 gabion_status gabion_set_interface(gabion_participant* p, const char* name, size_t num_vertices,
                                    const double* coordinates, int vertices_per_facet,
                                    size_t num_facets, const int64_t* facets);

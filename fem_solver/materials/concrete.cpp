@@ -76,7 +76,7 @@ struct Equivalent {
   Symmetric<dim> slope = Symmetric<dim>::Zero();
 };
 
-/// Both equivalent stresses: those of uniaxial tension and compression are the stress itself.
+/// Both equivalent stresses: in uniaxial tension or compression they are the stress itself.
 template <int dim>
 struct Equivalents {
   Equivalent<dim> tensile, compressive;

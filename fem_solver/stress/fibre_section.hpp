@@ -11,7 +11,7 @@
 namespace gabion::fem {
 
 /// Section of a beam that yields: fibres along it with the law of bars, shear and torsion elastic.
-/// It refers to its arguments.
+/// The object refers to its arguments.
 class FibreSection {
  public:
   static constexpr std::size_t fibre_width = 2;  ///< numbers that a fibre remembers

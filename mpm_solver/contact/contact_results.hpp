@@ -40,7 +40,7 @@ class ContactResults {
 
   /// Nodal forces of the soil on the structure, num_vertices of the member x dim [N].
   virtual std::vector<double> forces_on_structure(std::size_t member = 0) const = 0;
-  /// Their resultant, at the positions at the start of the step.
+  /// Resultant of these forces, at the positions at the start of the step.
   virtual ContactResultant<dim> resultant(std::size_t member = 0) const = 0;
   virtual ContactCounts counts(std::size_t member = 0) const = 0;
 };

@@ -23,8 +23,8 @@ class FacetHash {
             double margin)
       : FacetHash(simplices, vertices, margin, nullptr, everywhere()) {}
 
-  /// For queries at these places only [m]: simplices far from all of them are not listed, and cost
-  /// no more than a test of their bounding box.
+  /// A hash for queries at these places only [m]: simplices far from all of them are not listed,
+  /// and cost no more than a test of their bounding box.
   FacetHash(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
             double margin, std::span<const Vector<dim>> places)
       : FacetHash(simplices, vertices, margin, places, box_around(places)) {}
@@ -35,7 +35,7 @@ class FacetHash {
             double margin, std::span<const Vector<dim>> places, const Box& around)
       : FacetHash(simplices, vertices, margin, &places, around) {}
 
-  /// Those whose widened bounding box may hold x.
+  /// Simplices whose widened bounding box may hold x.
   std::span<const std::int32_t> near(const Vector<dim>& x) const;
 
   /// Entries of all lists: what it costs to make them.

@@ -42,7 +42,7 @@ struct NearPlace {
   std::span<const std::int32_t> simplices;  ///< ascending: all within that distance, and others
 };
 
-/// Those near a place that a point at x faces when the step begins.
+/// Simplices near a place that a point at x faces when the step begins.
 /// @param[out] list  by ascending simplex; distance: of the place, or less
 template <int dim>
 void faced_near(const FrontView<dim>& view, const Vector<dim>& x, const NearPlace<dim>& near,

@@ -34,7 +34,7 @@ constexpr std::int32_t several_neighbours = -2;
 template <int dim>
 std::vector<Neighbours<dim>> neighbours_of(std::span<const Simplex<dim>> simplices);
 
-/// Its corners, for vertices at these positions.
+/// Corners of a simplex, for vertices at these positions.
 template <int dim>
 std::array<Vector<dim>, dim> corners_of(const Simplex<dim>& simplex,
                                         std::span<const Vector<dim>> vertices) {

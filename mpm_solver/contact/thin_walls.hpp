@@ -24,7 +24,7 @@ class ThinWalls {
   /// @param cell_size  mean [m]
   ThinWalls(const std::vector<StartSurface<dim>>& surfaces, std::vector<FacePair> pairs,
             double cell_size);
-  /// For all thin_pairs().
+  /// Walls from all thin_pairs().
   ThinWalls(const std::vector<StartSurface<dim>>& surfaces, double cell_size)
       : ThinWalls(surfaces, thin_pairs(Faces<dim>(surfaces), cell_size), cell_size) {}
 

@@ -41,7 +41,7 @@ class PointLaws {
   /// Law of each point, null: that of its body; empty where no body has constants that vary.
   LawsOfPoints<dim> of_points() const { return of_points_; }
 
-  /// These laws with reduced strength (with_reduced_strength).
+  /// The laws of all points with reduced strength (with_reduced_strength).
   PointLaws reduced(double factor) const;
 
  private:

@@ -12,7 +12,7 @@ namespace gabion::mpm {
 
 /// Fields of frames where a body has pore water, else none: effective_stress (Cauchy),
 /// pore_pressure, and excess_pore_pressure over water at rest below the table of the start [Pa].
-/// They refer to bodies and points.
+/// The fields refer to bodies and points.
 template <int dim>
 std::vector<OutputField> water_fields(const std::vector<Body<dim>>& bodies,
                                       const MaterialPoints<dim>& points);
@@ -21,7 +21,7 @@ std::vector<OutputField> water_fields(const std::vector<Body<dim>>& bodies,
 /// excess_pore_pressure, and the normal components of stress and effective_stress (Cauchy) [Pa].
 template <int dim>
 std::vector<std::string> water_probe_names(const MpmSettings<dim>& settings);
-/// Their values; none (not a number) of a point that has left. @note Collective.
+/// Values of these columns; none (not a number) of a point that has left. @note Collective.
 template <int dim>
 std::vector<double> water_probe_values(const SoilModel<dim>& model, const SoilState<dim>& state);
 

@@ -34,7 +34,7 @@ struct ServerSettings {
   std::string endpoint = "tcp://127.0.0.1:*";
   Deadlines deadlines;
   /// Files of keys.hpp: the coupler's secret key, and the public keys of those that may connect.
-  /// Both empty: anybody may, and nothing is encrypted.
+  /// Both empty: anybody may connect, and nothing is encrypted.
   std::string key_file = "";
   std::string clients_file = "";
 };

@@ -140,7 +140,7 @@ class MeasuredTable(MeasuredCsv):
         return "" if unit is None else UNITS[unit][0]
 
     def factor(self, name: str) -> float:
-        """Its unit in SI units."""
+        """Factor from the unit of a column to SI units."""
         unit = self.column(name).unit
         return 1.0 if unit is None else UNITS[unit][1]
 

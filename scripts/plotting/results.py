@@ -232,7 +232,7 @@ class Results:
 
     @property
     def boulders(self) -> list[str]:
-        """Those of `contacts` that are boulders, in the order of the settings, drawn ones behind."""
+        """Entries of `contacts` that are boulders, in the order of the settings, drawn ones behind."""
         settings = self.settings("mpm.json")
         names = [boulder["name"] for boulder in settings.get("boulders", [])]
         drawn = [group["name"] for group in settings.get("random_boulders", [])]
@@ -242,7 +242,7 @@ class Results:
 
     @property
     def surfaces(self) -> dict[str, Series]:
-        """Those of `contacts` that are interfaces or rigid walls."""
+        """Entries of `contacts` that are interfaces or rigid walls."""
         boulders = set(self.boulders)
         return {name: series for name, series in self.contacts.items() if name not in boulders}
 

@@ -101,7 +101,7 @@ def _faces(cells: np.ndarray) -> np.ndarray:
 
 
 def once(facets: np.ndarray) -> np.ndarray:
-    """Those rows of node numbers that are there once, whatever the order of their nodes."""
+    """Rows of node numbers that are there once, whatever the order of their nodes."""
     return facets[_which_are_once(facets)]
 
 

@@ -41,7 +41,7 @@ class Outcome:
 
 
 def read(folder: Path, names: list[str]) -> list[Outcome]:
-    """Those of the releases that were written before."""
+    """Outcomes of the releases that were written before."""
     files = [folder / f"{name}.json" for name in names]
     return [Outcome(**json.loads(file.read_text(encoding="utf-8"))) for file in files if file.exists()]
 

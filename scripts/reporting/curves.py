@@ -48,7 +48,7 @@ def chart(name: str, title: str, curves: list[tuple[str, np.ndarray, np.ndarray]
 
 
 def charts(results: Results) -> list[dict[str, Any]]:
-    """Those that the folder has data for."""
+    """Charts that the folder has data for."""
     steps, probes, unit = results.table("steps.csv"), results.table("probes.csv"), results.per_metre
     found = []
     if steps is not None and steps.num_rows:

@@ -126,7 +126,7 @@ def read_velocity(reader: Reader) -> list[float] | None:
 
 
 def read_slide(reader: Reader, ground: Line, notes: list[str]) -> Slide:
-    """Its top: rows [x, z], or a depth between two places."""
+    """The slide, with its top as rows [x, z] or as a depth between two places."""
     if ("surface" in reader.values) == ("depth" in reader.values):
         raise TerrainError(f"{reader.where}: allowed: exactly one of surface (rows [x, z]) and depth (with from and "
                            "to)")

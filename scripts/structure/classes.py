@@ -26,7 +26,7 @@ class Class:
 
 
 def _body(code: str, start: int) -> str:
-    """From the head of a class to the brace that closes it."""
+    """The code from the head of a class to the brace that closes it."""
     level = 0
     for brace in re.finditer(r"[{}]", code[start:]):
         level += 1 if brace.group() == "{" else -1
@@ -36,7 +36,7 @@ def _body(code: str, start: int) -> str:
 
 
 def classes(paths: Iterable[Path]) -> dict[str, Class]:
-    """Those of some files that belong together, by name."""
+    """Classes of some files that belong together, by name."""
     found: dict[str, Class] = {}
     for path in paths:
         source = path.read_text(encoding="utf-8")

@@ -73,7 +73,7 @@ def _function(code: str, head: tuple[int, int], end: int) -> Function:
 
 
 def functions(source: str) -> list[Function]:
-    """Those with bodies, in the order of their ends; lambdas count as part of theirs."""
+    """Functions with bodies, in the order of their ends; a lambda counts as part of the function around it."""
     code = without_texts(source)
     found: list[Function] = []
     open_braces: list[tuple[str, tuple[int, int], int]] = []  # kind, head, depth of parentheses before

@@ -92,7 +92,7 @@ def launch(folder: Path, settings: dict, ranks: int, restart: Path | None = None
 
 
 def results(runner: Runner, folder: Path, settings: dict, ranks: int, restart: Path | None = None) -> Path:
-    """Those of an earlier run where they may be taken, else of a new one."""
+    """Results of an earlier run where they may be taken, else of a new one."""
     if runner.reuse and has_run(folder, settings):
         return folder / "out"
     print(f"{folder.name}: running", flush=True)

@@ -66,7 +66,7 @@ class Cylinder:
         return self.layers * self.edge / self.radius
 
     def settings(self, mesh: str) -> list[str]:
-        """It is at rest after some 5 sqrt(H / g); dt keeps its ratio to the cells."""
+        """Settings of a run: the column is at rest after some 5 sqrt(H / g); dt keeps its ratio to the cells."""
         cell, dt = 2 * self.edge, 0.02 / self.cells
         wide, high = int(np.ceil((1 + 1.4 * run_out_law(self.a)) * self.cells)), int(np.ceil(self.layers / 2)) + 2
         size = [round(number * cell, 9) for number in (wide, wide, high)]

@@ -193,7 +193,7 @@ class Runner:
         self._note(label).write_text(json.dumps(note, indent=1) + "\n", encoding="utf-8")
 
     def forget(self, label: str) -> None:
-        """Its results are to be taken no more."""
+        """Let results of this label not be taken again."""
         self._note(label).unlink(missing_ok=True)
 
     def _command(self, output: Path, scene: str, settings: list[str]) -> list[str]:

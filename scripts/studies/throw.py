@@ -57,7 +57,7 @@ def one_at_a_time(base: Throw) -> dict[str, Throw]:
 
 
 def corners(base: Throw) -> dict[str, Throw]:
-    """Both ends of each pair of factors that depend on each other."""
+    """Throws with both ends of each pair of factors that depend on each other."""
     pairs = [pair for pair in PAIRS if base.density is not None or pair != OF_ELASTIC]
     return {f"{a}_{x:g}_{b}_{y:g}": replace(base, **{a: x, b: y}) for a, b in pairs
             for x in (LEVELS[a][0], LEVELS[a][-1]) for y in (LEVELS[b][0], LEVELS[b][-1])}

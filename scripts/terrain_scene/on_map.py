@@ -60,7 +60,7 @@ def read_place(scene: Path, sections: list[str]) -> Place:
 
 
 def section_name(values: dict, taken: dict) -> str:
-    """Its attribute `name` as the name of a file, else its number."""
+    """Attribute `name` of a section as the name of a file, else the section's number."""
     text = next((str(value) for key, value in values.items() if key.lower() == "name" and value), "")
     name = "".join(letter if letter.isalnum() else "_" for letter in text)
     return name if name and name not in taken else str(len(taken) + 1)

@@ -67,7 +67,7 @@ MPM = {
     "basis": "linear",
     "walls": [{"group": "bottom", "condition": "slip"}, {"group": "left", "condition": "slip"}],
     "gravity": [0, -9.81],
-    "locking": {"method": "none"},  # stiff enough at first touch for a step to be cut
+    "locking": {"method": "none"},  # stiff enough at the first contact for a step to be cut
     "bodies": [{
         "name": "soil",
         "mesh": {"box": {"low": [0.16, 0], "high": [0.24, 0.06], "cells": [4, 3], "type": "quad4"}},

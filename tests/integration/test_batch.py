@@ -116,7 +116,7 @@ class Batch(IntegrationCase):
         self.assert_same_rows(2)
 
     def test_killed_without_warning(self) -> None:
-        """A node that fails: the next job goes on from the last checkpoint that was made on the way."""
+        """A node that fails: the next job goes on from the last checkpoint."""
         self.files["coupler"]["checkpoint"] = {"steps": 4}
         self.write_scene(self.files)
         run = self.job_in_step(1, 30)

@@ -134,8 +134,8 @@ class CoupledRun(IntegrationCase):
             self.assertEqual(rows, again)
 
     def test_two_ranks_agree_with_one(self) -> None:
-        """Sums over ranks have another order, and the structure's LU is another one (relative 1e-16 each);
-        13 quasi-Newton iterations and two steps amplify that to 4e-11 of a column's largest value."""
+        """On two ranks sums have another order, and the structure's LU is another one (relative 1e-16 each); 13
+        quasi-Newton iterations and two steps amplify that to 4e-11 of a column's largest value."""
         self.files["coupler"]["time"]["end"] = 0.01  # 3 steps in contact
         self.files["coupler"]["coupling"]["max_iterations"] = 20  # no cut that could hide a jump
         self.files["mpm"]["newton"] = {"residual_tolerance": 1e-8}  # linear systems are solved otherwise, too

@@ -116,7 +116,7 @@ class Liar(IntegrationCase):
         self.expect_end(words, self.lies()[words])
 
     def accept_another(self, program: str) -> None:
-        """Another step than it has solved."""
+        """Another step is accepted than the solver has solved."""
         self.begin(program)
         self.coupler.ask("solve_step", self.values(), **self.step(2))
         self.expect_end("accepts step 2 with dt 0.001 s, but the solution is that of step 2 with dt 0.0005 s",
@@ -124,7 +124,7 @@ class Liar(IntegrationCase):
                                                      write_output=False))
 
     def spoil_state(self, program: str) -> None:
-        """Its own state, whole at first; then with one number that points nowhere."""
+        """The solver's own state, whole at first; then with one number that points nowhere."""
         self.begin(program)
         saved = self.coupler.ask("save")
         self.assertEqual(saved.type, "saved")

@@ -15,7 +15,7 @@ from test_restart_script import ScriptCase
 
 
 class CommandThatDies(ScriptCase):
-    """Its participant has not met the coupler, which waits for it."""
+    """A command whose participant has not met the coupler, which waits for it."""
 
     def failed(self, *command: str) -> str:
         files = meeting()

@@ -14,7 +14,7 @@ import numpy as np
 END, DT = 0.5, 1e-3
 STEPS = round(END / DT)
 AMPLITUDE = 2e-3  # of the probe [m]
-CONTACT = 0.15  # [s], from then on the soil touches the structure
+CONTACT = 0.15  # [s], from then on the soil is in contact with the structure
 FORCE = 20.0  # of the soil on the structure since then [N/m]
 
 SECONDS = ["soil.busy_seconds", "soil.message_seconds", "structure.busy_seconds", "structure.message_seconds",

@@ -162,7 +162,7 @@ class Runs(FitCase):
         self.assertEqual(self.num_ran(), before)
 
     def test_a_run_without_an_end_is_named(self) -> None:
-        """It comes to no end where a is 9, where the first start is."""
+        """The run comes to no end where a is 9, where the first start is."""
         self.fit["parameters"]["a"] |= {"between": [1, 17], "scale": "linear", "start": 9}
         self.fit["parameters"]["b"]["start"] = 10
         found, done = self.fitted(1)

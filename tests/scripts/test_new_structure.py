@@ -40,7 +40,7 @@ class NewStructure(ScriptCase):
                 self.assertLessEqual((folder / "README.md").read_text().count("\n"), 60)
 
     def test_its_own_test(self) -> None:
-        """It passes as written, in both dimensions, and fails for another model."""
+        """The test passes as written, in both dimensions, and fails for another model."""
         environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
         for dimension in (2, 3):
             folder = self.folder / str(dimension)

@@ -95,7 +95,7 @@ class ImpactCoefficient(Made):
         self.assertEqual([each["name"] for each in drawn["gauge-depth"]["curves"]], ["toe depth"])
 
     def test_a_gauge_that_looks_the_other_way(self) -> None:
-        """Its foot and top exchanged: the flow counts negative, the coefficient is the same."""
+        """Foot and top of the gauge exchanged: the flow counts negative, the coefficient is the same."""
         back = [[-value if leaf in ("section_flux", "normal_speed") else value for leaf, value in zip(HEAD, row)]
                 for row in COURSE]
         (_, impact), = impacts(self.run_of(2, {"toe": ([[1, 2], [1, 0]], back)}, FORCE))

@@ -398,7 +398,7 @@ class Stopped(MadeUpCase):
             self.assertNotIn("mpirun kills", said)
 
     def test_mpirun_that_does_not_end(self) -> None:
-        """It is stopped, and no SIGTERM ends it when it goes on: it is killed, and what it has started."""
+        """mpirun is stopped, and no SIGTERM ends it when it goes on: it is killed with all that it has started."""
         self.expect_kill("4.1.4")
         self.expect_kill("5.0.7")
 

@@ -96,7 +96,7 @@ class WatchTest(ScriptCase):
         self.assertIn("silent", self.show()[1])
 
     def test_a_run_that_ended_without_summary(self) -> None:
-        """It could not begin: its lock is cleared, the log says why."""
+        """The run could not begin: its lock is cleared, the log says why."""
         self.write_owner()
         self.write(".gabion_lock", "")
         self.write("coupler.log", "2026-01-02 03:04:05.678 [cpl] error: participants did not connect\n")

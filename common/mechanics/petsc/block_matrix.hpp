@@ -24,7 +24,7 @@ class CellBlocks {
   std::span<const std::int32_t> runs() const { return runs_; }
   /// Block of node a and the first node of run r; those of the run's other nodes follow.
   double* at(int a, int r) const { return at(a * static_cast<int>(runs_.size()) + r); }
-  /// That block, addressed by the place a (number of runs) + r.
+  /// The block at place a * (number of runs) + r.
   double* at(int place) const {
     return values_ + static_cast<std::ptrdiff_t>(slots_[place]) * block_size * block_size;
   }

@@ -70,9 +70,9 @@ struct NewmarkBossak {
   ///     v' = v + dt [(1 - gamma) a_i + gamma a_i'] + dt M^-1 F
   ///     M [(1 - alpha_m) a_i' + alpha_m a_i] = f'
   ///
-  /// Its impulse is dt F; with the trapezoidal rule the energy that it adds is exactly F . du.
-  /// Written without a_i, with the force F_o of the step before, which is contained in a, and
-  /// a' = acceleration(du, v, a, dt):
+  /// The impulse of F is dt F; with the trapezoidal rule the energy that it adds is exactly F . du.
+  /// Written without a_i, with the force F_o of the step before, which is contained in a, and a' =
+  /// acceleration(du, v, a, dt):
   ///
   ///     M [(1 - alpha_m) a' + alpha_m a] = f' + c F - (c - 1) F_o ,  c = step_force_weight()
   ///     v' = velocity(a', v, a, dt) + dt step_force_velocity() M^-1 (F - F_o)

@@ -139,7 +139,7 @@ class Solver(ABC):
         return []
 
     def probes(self) -> list[float]:
-        """Their values in the accepted state; NaN is allowed."""
+        """Values of these numbers in the accepted state; NaN is allowed."""
         return []
 
     def summary(self) -> dict[str, Any]:

@@ -26,8 +26,8 @@ typedef struct model_state {
   double u[dimension], v[dimension];
 } model_state;
 
-/* What the soil can touch, at the start [m]. Up the right side, over the top, down the left side:
- * the soil is on the right of the way. In 3D this line is drawn along z. */
+/* The surface that the soil can reach, at the start [m]. Up the right side, over the top, down the
+ * left side: the soil is on the right of the line. In 3D this line is drawn along z. */
 void model_surface(double points[num_values], int64_t facets[num_facets * vertices_per_facet]);
 
 /* The state after dt [s], by implicit Euler. force: of the soil on each point [N]. */

@@ -13,7 +13,7 @@ MASS, DAMPING, STIFFNESS = 0.6, 10.0, 5e3  # [kg], [N s/m], [N/m]; in 2D per met
 def surface() -> tuple[np.ndarray, np.ndarray]:
     """Points [m], num_points x dim, and facets (their points) of the surface that the soil can reach, at the start.
 
-    Up the right side, over the top, down the left side: the soil is on the right of the way. In 3D this line is drawn
+    Up the right side, over the top, down the left side: the soil is on the right of the line. In 3D this line is drawn
     along z.
     """
     up = np.linspace(0, TOP, SEGMENTS + 1)

@@ -55,7 +55,7 @@ class Model(ABC):
         return {}
 
     def new_fields(self, u: ufl.core.expr.Expr, old: Fields) -> dict[str, ufl.core.expr.Expr]:
-        """Their values at the end of a step that is accepted, from u there and from the old ones."""
+        """Values of these fields at the end of a step that is accepted, from u there and from the old ones."""
         return {}
 
     def probes(self) -> dict[str, Sequence[float]]:

@@ -125,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, TensionCutoff,
                          ::testing::Values(Case{30, 0, 0}, Case{30, 10, 0.02}, Case{15, 15, 0.03},
                                            Case{0, 0, 0}, Case{0, 0, 0.03}));
 
-/// Equal trial stresses that the cut-off does not touch keep their elastic shear factor.
+/// Equal trial stresses that the cut-off does not change keep their elastic shear factor.
 TEST(TensionCutoffTangent, matches_differences_at_an_equal_pair) {
   const MohrCoulomb<3> law({.lambda = lambda,
                             .mu = mu,

@@ -33,7 +33,7 @@ Json heap(const Case& given) {
   std::vector<double> low(dim, 0.0), high = {12.0, 0.5, 0.75}, from(dim, 0.0),
                                      to = {10.5, 0.5, 0.5};
   if (dim == 2) high = {12.0, 1.0}, to = {10.5, 0.5};
-  from[0] = dim == 2 ? 0.475 : 0.43;  // the first balls all but touch the plate
+  from[0] = dim == 2 ? 0.475 : 0.43;  // the first contact spheres almost reach the plate
   if (given.rigid_floor) from[dim - 1] += 0.03, to[dim - 1] += 0.03;
   std::vector<double> velocity(dim, 0.0), gravity(dim, 0.0);
   velocity[0] = -2;

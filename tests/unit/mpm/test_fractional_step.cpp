@@ -71,7 +71,7 @@ Outflow consolidate(int cells, double dt, bool fractional) {
   return {out, probe(*solver, "A.pore_pressure") / load};
 }
 
-/// Both kinds of steps solve one problem: they differ by what goes with dt.
+/// Both kinds of steps solve one problem: they differ by terms of the order of dt.
 TEST(FractionalStep, layer_consolidates_as_in_implicit_steps) {
   double difference[2];
   for (const bool fine : {false, true}) {

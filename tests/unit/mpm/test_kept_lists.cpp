@@ -235,7 +235,7 @@ struct Going {
   Vector<dim> x, y;
   std::vector<mpm::KnownContact<dim>> known;
   std::vector<mpm::FacingSimplex> facing;
-  bool in_front = true;  // of the nearest simplex that it touched
+  bool in_front = true;  // of the nearest simplex that it had contact with
 
   Going(const Ground<dim>& ground, Random& random) {
     x = 0.5 * (random.vector<dim>() + Vector<dim>::Ones());

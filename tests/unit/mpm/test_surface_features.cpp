@@ -156,7 +156,7 @@ TEST(SurfaceFeatures, far_simplices_change_nothing) {
   for (int trial = 0; trial < 100; ++trial) {
     const Vector<3> x(0.7 * random(), 0.7 * random(), 0.2);
     const Vector<3> y = x + Vector<3>(0.05 * random(), 0.05 * random(), -0.15);
-    for (const double reach : {0.2, 0.05}) {  // longer and shorter than the way
+    for (const double reach : {0.2, 0.05}) {  // longer and shorter than the path
       const Sighted<3> seen(surface, x);
       const auto bounds = mpm::bounds_of<3>(seen.simplices, seen.vertices);
       std::vector<FacingSimplex> facing = seen.facing;
@@ -211,7 +211,8 @@ TEST(SurfaceFeatures, an_inside_corner_touches_twice_behind_one_side_too) {
   }
 }
 
-/// It is held by the side that it touched, not by the far one, until it has come back.
+/// A point that went through stays in contact with the side that it entered, not with the far one,
+/// until it has come back.
 TEST(SurfaceFeatures, a_centre_that_went_through_stays_behind) {
   const ContactSurface<2> wall = thin_wall();
   const Sighted<2> seen(wall, {1.3, 0.5});

@@ -125,8 +125,8 @@ TEST(MovingWall, gives_its_impulse_to_the_soil) {
   }
 }
 
-/// Its work is the mean force times the displacement: in a linear bar the elastic energy, in steps
-/// of any size.
+/// The wall's work is the mean force times the displacement: in a linear bar the elastic energy, in
+/// steps of any size.
 TEST(MovingWall, work_on_an_elastic_bar) {
   for (const int steps : {1, 4}) {
     Json json = bar();

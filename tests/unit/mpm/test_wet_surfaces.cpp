@@ -156,7 +156,7 @@ TEST(WetSurfaces, boundary_points_at_a_seepage_face_are_refused) {
   EXPECT_NO_THROW(mpm_settings<2>(json));
 }
 
-/// It is refused whichever of the bodies comes to the surface.
+/// The scene is refused whichever of the bodies comes to the surface.
 TEST(WetSurfaces, drained_surface_beside_impervious_soil_is_refused) {
   Json json = layer_on_floor(0, 0);
   json["rigid_walls"][0]["drained"] = true;

@@ -20,9 +20,9 @@ namespace gabion::test {
 struct Layer {
   std::string type = "quad4";
   std::string basis = "linear";
-  double k0 = 1;              ///< 1: no turn of the stress on its way to Davis' state
-  double H = 1, length = 40;  // [m]
-  double slope = 35 * M_PI / 180, phi = 25;            // [rad], [deg]
+  double k0 = 1;                             ///< 1: the stress does not turn until Davis' state
+  double H = 1, length = 40;                 // [m]
+  double slope = 35 * M_PI / 180, phi = 25;  // [rad], [deg]
   double E = 1e7, nu = 0.3, density = 2000, g = 9.81;  // pressure waves need 0.24 s to the middle
   int rows = 4;
 

@@ -95,7 +95,7 @@ void swing(BentBed<dim> bed, double up, double time, const std::string& what) {
           .computed = probe(*solver, "kinetic_energy"),
           .bound = 0.01,
           .unit = "J"});
-  // Steps along tangents leave a circle by half the angle of a step, over the way: first order.
+  // Steps along tangents leave a circle by half the angle of a step, along the path: first order.
   const double angle_of_step = std::abs(pendulum.rate) * dt;
   EXPECT_LT(probe(*solver, "created_energy"), angle_of_step * probe(*solver, "gravity_work"));
   EXPECT_LT(std::abs(probe(*solver, "energy_balance")), 1e-6 * probe(*solver, "gravity_work"));

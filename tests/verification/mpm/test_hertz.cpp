@@ -18,7 +18,7 @@ namespace {
 /// from a straight line through p^2 over x^2, where x < 0.8 b.
 constexpr double R = 1, E = 2e8, nu = 0.3, E_star = E / (1 - nu * nu);
 
-/// A quarter of a disc below y = 0, of cells that are square where it touches.
+/// A quarter of a disc below y = 0, of cells that are square at the contact.
 Mesh<2> quarter(int cells) {
   const int wide = static_cast<int>(cells / std::sqrt(2.0));
   Mesh<2> mesh = box_mesh<2>({0, -1}, {1, 0}, {wide, cells}, CellType::quad4);

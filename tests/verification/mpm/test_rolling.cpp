@@ -28,7 +28,7 @@ struct Roll {
 /// Motion of the body as a whole.
 template <int dim>
 struct Motion {
-  double mass = 0, inertia = 0;  ///< inertia about an axis across the plane of the way
+  double mass = 0, inertia = 0;  ///< inertia about an axis normal to the plane of motion
   Vector<dim> x = Vector<dim>::Zero(), v = Vector<dim>::Zero();
   double spin = 0;  ///< [rad/s] in the direction of rolling
 

@@ -74,7 +74,7 @@ struct Footing {
   double settlement;  ///< beyond that of the largest load [m]
 };
 
-/// Its largest load by its area [Pa]. @param cells  under half of it
+/// Largest load of a footing over its area [Pa]. @param cells  under half of the footing
 double largest_load(const Footing& footing, int cells) {
   const double E = 4e8, width = 4, depth = 2, h = 1.0 / cells;
   const int steps = 40, nx = 4 * cells, ny = 2 * cells;
