@@ -27,7 +27,7 @@ struct DtByIterations {
   int many = 0;  ///< the next step is halved after one that needed this or more; > few
 };
 
-/// What to do with a step that is not converged after `max_iterations`.
+/// Treatment of a step that is not converged after `max_iterations`.
 enum class OnLimit { cut, stop, accept };
 
 /// The "coupling" object of coupler.json.

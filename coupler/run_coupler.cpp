@@ -185,7 +185,7 @@ bool all_keep_states(const std::vector<NamedSolver>& participants,
   return true;
 }
 
-/// What a coupled run is made of.
+/// Parts of a coupled run.
 struct CoupledRun {
   const CouplerSettings& settings;
   const Scene& scene;

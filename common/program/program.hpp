@@ -9,7 +9,7 @@
 
 namespace gabion {
 
-/// What the command line of each of the three programs says.
+/// Arguments of the command line of each of the three programs.
 struct ProgramOptions {
   std::string scene;                   ///< folder
   std::string output;                  ///< folder of results

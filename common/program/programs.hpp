@@ -6,7 +6,7 @@
 
 namespace gabion {
 
-/// What the others of this project know about one program of it.
+/// Properties of one program of this project that the others know.
 struct ProgramEntry {
   std::string name;          ///< "mpm_solver"
   std::string prefix;        ///< prefix of its log lines: "mpm"

@@ -10,8 +10,8 @@
 
 namespace gabion {
 
-/// What a run has to say of its balances and its convergence when it ends: the statements that
-/// scripts/watch marks as bad (docs/results.md, the page of a run), from the same columns.
+/// Statements of a run on its balances and its convergence when it ends: those that scripts/watch
+/// marks as bad (docs/results.md, the page of a run), from the same columns.
 class BalanceWatch {
  public:
   /// Names of the columns of probes.csv: PARTICIPANT.COLUMN, or COLUMN of a run without coupler.

@@ -9,8 +9,8 @@
 
 namespace gabion {
 
-/// What a time loop does about checkpoints: it continues from one, and writes them when due, at a
-/// signal and at the end.
+/// Checkpoints of a time loop: it continues from one, and writes them when due, at a signal and at
+/// the end.
 /// @note  Collective where the loop is.
 class LoopCheckpoints {
  public:

@@ -47,7 +47,7 @@ struct StepRequest {
   double dt = 0;          ///< [s]
 };
 
-/// What a solver says about one solution.
+/// Report of a solver on one solution.
 struct StepReport {
   int newton_iterations = 0;
   std::int64_t linear_iterations = 0;
@@ -57,7 +57,7 @@ struct StepReport {
   Json details = Json::object();  ///< numbers for the log, by name
 };
 
-/// What a solver says when a step was accepted.
+/// Report of a solver on an accepted step.
 struct AcceptReport {
   std::vector<double> probes;  ///< values in the order of probe_names()
   bool at_rest = false;  ///< nothing moves and the load is balanced: the next step without new load

@@ -12,7 +12,7 @@
 
 namespace gabion {
 
-/// What later steps of a run depend on, by name. Every bit of a number is kept.
+/// Values that later steps of a run depend on, by name. Every bit of a number is kept.
 struct State {
   Json facts = Json::object();  ///< texts and lists; finite numbers only
   std::map<std::string, std::vector<double>> reals;
@@ -38,7 +38,7 @@ class StateVisitor {
   virtual void list(const std::string& name, std::vector<std::int64_t>& values) = 0;
   virtual void fact(const std::string& name, Json& value) = 0;
 
-  /// What this rank adds to a sum over the ranks.
+  /// This rank's part of a sum over the ranks.
   virtual void share(const std::string& name, double& value) { real(name, value); }
 
   void real(const std::string& name, double& value) { reals(name, {&value, 1}); }

@@ -65,7 +65,7 @@ std::string allowed_instead(const std::string& expected) {
   return plain(expected);
 }
 
-/// What stands in the text up to the place where a literal ends.
+/// Text up to the place where a literal ends.
 std::string word_before(const std::string& text, std::size_t end) {
   const std::size_t before =
       end == 0 ? std::string::npos : text.find_last_of(" \t\r\n{[,:", end - 1);

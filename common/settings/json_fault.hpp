@@ -7,7 +7,7 @@
 
 namespace gabion {
 
-/// What is wrong with a text that is not JSON, without the parser's own words:
+/// Fault of a text that is not JSON, without the parser's own words:
 ///     line 12, column 3: found "}" after a comma, allowed: commas between entries only
 /// @param text  that was parsed, comments allowed
 std::string fault_of(const std::string& text, const Json::parse_error& error);

@@ -36,7 +36,7 @@ Json reference(const KeyTable& table) {
   return {{"$ref", "#/definitions/" + table.name}};
 }
 
-/// What a value has to be like, without words.
+/// Schema of a value, without words.
 Json shape(const Key& key) {
   switch (key.type) {
     case KeyType::number:

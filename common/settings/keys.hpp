@@ -48,7 +48,7 @@ enum class KeyType {
   named_objects
 };
 
-/// What a missing key means.
+/// Meaning of a missing key.
 enum class Absence {
   refused,   ///< the key is required
   fallback,  ///< the default of the table

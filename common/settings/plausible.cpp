@@ -182,7 +182,7 @@ std::optional<double> size_of(const Json& value) {
   return std::sqrt(squares);
 }
 
-/// What a value would be in units in which it is plausible.
+/// The value in units in which it would be plausible.
 std::string other_units(const PlausibleRange& range, double size) {
   std::vector<std::string> words;
   for (const OtherUnit& other : range.others) {

@@ -8,7 +8,7 @@
 
 namespace gabion {
 
-/// What a file of settings describes.
+/// Subject of a file of settings.
 enum class Described { soil, structure };
 
 /// Texts on settings whose values are allowed, but look like another unit: one for each, with file,

@@ -7,8 +7,8 @@
 
 namespace gabion {
 
-/// What tells whether two runs are of the same scene: its settings, overrides included, and hashes
-/// of the files that they name (meshes).
+/// Identity of a scene, equal for two runs of it: its settings, overrides included, and hashes of
+/// the files that they name (meshes).
 ///
 ///     {"settings": {"mpm.json": {...}, ...}, "files": {"mpm.json": {"/grid/file": "soil.msh
 ///     0f…"}}}

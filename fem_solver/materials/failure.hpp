@@ -20,7 +20,7 @@ struct FailureLimits {
   bool any() const { return plastic_strain || force || strain; }
 };
 
-/// What made a cell or line fail.
+/// Reason for which a cell or line failed.
 enum class FailureReason { none, plastic_strain, force, strain };
 
 /// A reason in words, with value, limit and unit.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a step does with cells that fail.
+// Treatment of cells that fail in a step.
 #include <fmt/format.h>
 
 #include <memory>

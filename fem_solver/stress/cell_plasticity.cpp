@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the histories of cells that yield say of plastic strains and work.
+// Plastic strains and work from the histories of cells that yield.
 #include <algorithm>
 
 #include "fem_solver/stress/cell_block.hpp"

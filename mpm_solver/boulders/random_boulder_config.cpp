@@ -162,7 +162,7 @@ RandomRegion<dim> read_region(ConfigReader in) {
 
 enum class Kind { sphere, box, ellipsoid };
 
-/// What the shapes of an entry have in common.
+/// Settings that the shapes of an entry have in common.
 struct RandomShape {
   Kind kind = Kind::sphere;
   double density = 0;

@@ -6,8 +6,8 @@
 
 namespace gabion::mpm {
 
-/// What bodies with fields of their own need: a box grid whose nodes can be counted for each group,
-/// no pore water that drains, and surfaces of the method `facets`.
+/// Requirements of bodies with fields of their own: a box grid whose nodes can be counted for each
+/// group, no pore water that drains, and surfaces of the method `facets`.
 /// @throws ConfigError
 template <int dim>
 void check_group_needs(const ConfigReader& in, const MpmSettings<dim>& settings);

@@ -6,7 +6,7 @@
 
 namespace gabion::mpm {
 
-/// What the kinds of phases can do: explicit steps have no ghost stiffness, `tpic` or
+/// Limits of the kinds of phases: explicit steps have no ghost stiffness, `tpic` or
 /// `boundary_points`, fluids have no quasi-static state, ghost stiffness or pore water, and
 /// strength reduction needs laws with c and phi, the basis `linear` and no interfaces.
 /// @throws ConfigError

@@ -79,7 +79,7 @@ FrictionFall read_weakening(ConfigReader& in, double friction) {
   return {.fall = friction - least, .speed = in.number("weakening_speed")};
 }
 
-// What interfaces and rigid walls have in common.
+// Settings that interfaces and rigid walls have in common.
 template <int dim>
 ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double penalty_unit,
                                    double resting_factor) {

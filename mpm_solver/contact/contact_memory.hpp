@@ -63,7 +63,7 @@ template <int dim>
 class ContactMemory {
  public:
   using Contacts = RememberedContacts<dim>;
-  /// What is known of a point; null where there is nothing.
+  /// Contacts and offset of a point; null: none.
   struct Known {
     const Contacts* contacts = nullptr;
     const Vector<dim>* offset = nullptr;

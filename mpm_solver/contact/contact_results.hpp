@@ -31,7 +31,7 @@ struct ContactResultant {
   }
 };
 
-/// What a contact does to its members, the surfaces, in the current step: all values are those of
+/// Action of a contact on its members, the surfaces, in the current step: all values are those of
 /// the last ContactAssembly::add_forces.
 template <int dim>
 class ContactResults {

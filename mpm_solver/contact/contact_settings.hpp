@@ -46,7 +46,7 @@ struct FacetSettings {
   double tangential_factor = 0.25;  ///< stiffness: tangential_factor M / h
 };
 
-/// What all methods of contact share, and one of them.
+/// Settings that all methods of contact share, and those of one of them.
 template <int dim>
 struct ContactSettings {
   std::string name;   ///< of the interface or the wall

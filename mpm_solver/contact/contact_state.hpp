@@ -39,7 +39,7 @@ class ContactState {
 
   /// Energy that contact stores and has lost.
   virtual ContactEnergy energy() const { return {}; }
-  /// What this rank's soil does to each facet of a member.
+  /// Action of this rank's soil on each facet of a member.
   /// @param points  of this rank, accepted
   /// @param reach   how far to look for gaps [m]
   virtual ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach,

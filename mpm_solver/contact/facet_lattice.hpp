@@ -53,7 +53,7 @@ class FacetLattice {
 
  private:
   using Index = typename IndexTable<dim>::Key;
-  /// What is known of a cube: its list, and a plane that no simplex of it is beyond.
+  /// Entry of a cube: its list, and a plane that no simplex of it is beyond.
   struct Cube {
     std::size_t first = 0, count = 0;
     Vector<dim> normal = Vector<dim>::Zero();

@@ -5,7 +5,7 @@
 
 namespace gabion::mpm {
 
-/// What a contact by facets does to its members in the current step: from its contact points, or
+/// Action of a contact by facets on its members in the current step: from its contact points, or
 /// from its substeps.
 template <int dim>
 class FacetResults final : public ContactResults<dim> {

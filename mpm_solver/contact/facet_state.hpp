@@ -48,7 +48,7 @@ class FacetState final : public ContactState<dim> {
  private:
   using Point = ContactPoint<dim>;
   using Remembered = RememberedContact<dim>;
-  /// What a member did in the accepted step.
+  /// Action of a member in the accepted step.
   struct Member {
     std::vector<ContactMark<dim>> marks;
     ContactEnergy energy;

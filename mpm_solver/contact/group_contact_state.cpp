@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a contact between groups of bodies comes to, and its accepted state.
+// Results of a contact between groups of bodies, and its accepted state.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// What the groups and pairs of a run are, for its saved state.
+// Groups and pairs of a run, for its saved state.
 Json fact_of(const BodyGroups& groups) {
   Json pairs = Json::array();
   for (const GroupPair& pair : groups.pairs) pairs.push_back({pair.first, pair.second});

@@ -12,7 +12,7 @@
 
 namespace gabion::mpm {
 
-/// What is remembered of a contact node that was closed at the end of a step.
+/// State of a contact node that was closed at the end of a step.
 template <int dim>
 struct RememberedNode {
   std::int32_t place = 0, pair = 0;         ///< as of GroupNode

@@ -42,7 +42,8 @@ struct ContactCandidate {
   double distance = 0;       ///< to the nearest facet at the start, 0 behind one [m]
   std::int32_t first_value = 0, num_values = 0;   ///< of the basis functions
   std::int32_t first_facing = 0, num_facing = 0;  ///< of what it faces
-  /// What it faces around a place, complete up to a distance [m]; 0: it is not listed.
+  /// Simplices that the point faces around a place, complete up to a distance [m]; 0: it is not
+  /// listed.
   struct Around {
     Vector<dim> place = Vector<dim>::Zero();
     double within = 0;

@@ -25,8 +25,8 @@ std::array<double, dim> between(const std::array<double, dim>& a, const std::arr
   return result;
 }
 
-// What is left of a part where a function, linear in it, is not negative; nothing where it is
-// nowhere positive.
+// The share of a part where a function, linear in it, is not negative; nothing where it is nowhere
+// positive.
 template <int dim>
 Part<dim> clip(const Part<dim>& part,
                const std::function<double(const std::array<double, dim>&)>& value) {

@@ -13,7 +13,7 @@
 
 namespace gabion::mpm {
 
-/// What passes through a gauge, signed by its normal: each material point whose straight path in an
+/// Flow through a gauge, signed by its normal: each material point whose straight path in an
 /// accepted step crosses it counts with its mass and its momentum at the end of the step.
 template <int dim>
 struct Passage {

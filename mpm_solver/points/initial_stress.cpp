@@ -95,7 +95,7 @@ struct Geostatic {
   }
 };
 
-// What the skeleton carries at depth d [Pa].
+// Vertical stress that the skeleton carries at depth d [Pa].
 template <int dim>
 double load_on_skeleton(const InitialStress& stress, const BodyAtRest<dim>& at_rest, double d) {
   const double density = at_rest.body.material.density, g = -at_rest.gravity[dim - 1];

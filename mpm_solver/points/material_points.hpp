@@ -26,7 +26,7 @@ struct Body {
   std::vector<std::string> varying{};
 };
 
-/// What a point remembers of a law from a library (Umat).
+/// State of a law from a library (Umat) at a point.
 using StateVariables = Eigen::Matrix<double, umat_state_size, 1>;
 inline std::span<double> numbers_of(StateVariables& variables) {
   return {variables.data(), umat_state_size};

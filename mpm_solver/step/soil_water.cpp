@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What surfaces see of the water in the soil, and over it.
+// Pressure on surfaces of the water in the soil, and over it.
 #include <algorithm>
 #include <limits>
 

@@ -62,7 +62,7 @@ class AveragedForces {
   void set_volumes();
 
   StressParts<dim> parts_;
-  // What follows belongs to the range at hand.
+  // The members below belong to the current range.
   PointStresses<dim> stresses_;
   std::vector<Batch> averages_;
   std::vector<GroupSums> sums_;         // of each group

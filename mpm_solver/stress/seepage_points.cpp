@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What points do at the pressure of their water, and what they get of a solution.
+// Stress and content of points at the pressure of their water, and their update by a solution.
 #include <cmath>
 
 #include "mpm_solver/points/retention.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What pore water that drains adds to the stiffness of a group.
+// Stiffness of a group from pore water that drains.
 #include <algorithm>
 #include <cmath>
 

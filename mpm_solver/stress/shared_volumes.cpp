@@ -189,7 +189,7 @@ class GroupVolumes {
   double last_strain_ = 0;
 };
 
-// What the pores of a point would take up under the pressure of water at rest, over V0.
+// Water that the pores of a point would take up under the pressure of water at rest, over V0.
 template <int dim>
 double pores_at_rest(const PoreWater& water, const MaterialPoints<dim>& points, std::int32_t p) {
   return points.water[p] * std::exp(-water.hydrostatic(points.x[p][dim - 1]) / water.bulk_modulus);

@@ -10,7 +10,7 @@ DATE = re.compile(r"\d{4}-\d{2}-\d{2}$")
 
 
 class ReleaseNotesError(Exception):
-    """What does not agree, where, and what is allowed."""
+    """Each disagreement, with its place and what is allowed."""
 
 
 def version_of(checkout: Path) -> str:

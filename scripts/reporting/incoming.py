@@ -25,7 +25,7 @@ class Gauge:
 
 @dataclass(frozen=True)
 class Flow:
-    """What a gauge saw when rho v^2 h was largest [kg/m^3, m/s, m, s]. direction: unit vector of the flow."""
+    """Values of a gauge when rho v^2 h was largest [kg/m^3, m/s, m, s]. direction: unit vector of the flow."""
 
     gauge: Gauge
     time: float

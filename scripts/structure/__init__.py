@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What scripts/check_structure reads in sources: functions with their lengths and parameters."""
+"""The reader of sources of scripts/check_structure: functions with their lengths and parameters."""

@@ -97,7 +97,7 @@ def throws(count: int) -> dict[str, dict[str, Throw]]:
 
 
 def described(throw: Throw) -> str:
-    """What differs from the base."""
+    """Factors that differ from the base, as text."""
     base = Throw(form=throw.form, density=None if throw.density is None else Throw.density)
     changed = {field.name: getattr(throw, field.name) for field in fields(Throw)
                if getattr(throw, field.name) != getattr(base, field.name)}

@@ -160,7 +160,7 @@ def load_gdal(what: str) -> tuple[ModuleType, ModuleType, ModuleType]:
 
 
 def projection_beside(path: Path) -> str | None:
-    """What the .prj file of a raster says; None: there is none."""
+    """Text of the .prj file of a raster; None: there is none."""
     beside = next((p for p in (path.with_suffix(".prj"), path.with_suffix(".PRJ")) if p.is_file()), None)
     try:
         return None if beside is None else beside.read_text(encoding="utf-8").strip() or None

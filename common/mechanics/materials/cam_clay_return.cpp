@@ -11,7 +11,7 @@
 namespace gabion {
 namespace {
 
-/// What a return needs besides the law.
+/// Values that a return needs besides the law.
 struct Problem {
   const CamClayParameters& law;
   const CamClayMemory& start;

@@ -9,7 +9,7 @@
 namespace gabion {
 namespace {
 
-/// What the cone brings to principal_update().
+/// The return of the cone for principal_update().
 struct Surface {
   using Return = ConeReturn;
   const PrincipalDruckerPrager& law;

@@ -20,7 +20,7 @@ struct FluidReturn {
   double slope = 1;           // d sqrt(J2) / d sqrt(J2_trial)
 };
 
-// What the fluid brings to principal_update().
+// The return of the fluid for principal_update().
 struct Surface {
   using Return = FluidReturn;
   const HerschelBulkleyParameters& law;

@@ -20,10 +20,9 @@
 
 namespace gabion {
 
-/// What a law of a material can do; a value. Stress and tangent are those of `update`, whose
-/// H = du_i / dX_J is the displacement gradient of the step and X the position in the accepted
-/// state `state_n`. For a total Lagrangian solver that is the virgin state, and H the total
-/// gradient.
+/// Law of a material, held as a value. Stress and tangent are those of `update`, whose H = du_i /
+/// dX_J is the displacement gradient of the step and X the position in the accepted state
+/// `state_n`. For a total Lagrangian solver that is the virgin state, and H the total gradient.
 template <class Law, int dim>
 concept ConstitutiveLaw = std::copyable<Law> &&
     requires(const Law& law, const Matrix<dim>& H, const MaterialState<dim>& state_n,

@@ -36,9 +36,9 @@ struct PrincipalReturn {
   Eigen::Vector3d plastic;  ///< plastic strain of this step, trial minus elastic
 };
 
-/// What the plane and the edges have in common: eps_e = average(eps) - S c with the multiplier
-/// S = (a . tau_trial - strength) / (a . C c). An edge is the sum of its two planes; there, the two
-/// equal stresses are averaged.
+/// Plane or edge to which a stress returns: eps_e = average(eps) - S c with the multiplier S = (a .
+/// tau_trial - strength) / (a . C c). An edge is the sum of its two planes; there, the two equal
+/// stresses are averaged.
 struct ActiveFace {
   YieldFace face;
   Eigen::Vector3d a;  ///< gradient of the (summed) yield function

@@ -20,7 +20,7 @@ struct GranularReturn {
   GranularFlow flow;
 };
 
-// What the grains bring to principal_update().
+// The return of the grains for principal_update().
 struct Surface {
   using Return = GranularReturn;
   const MuIParameters& law;

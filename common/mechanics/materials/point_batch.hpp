@@ -43,7 +43,7 @@ struct PointBatch {
   void set_stress(int lane, const Matrix<dim>& value) {
     for (int k = 0; k < num_entries; ++k) P[k][lane] = value(k / dim, k % dim);
   }
-  /// What a law found for one point. @param with_A  A is set too
+  /// Result of a law for one point. @param with_A  A is set too
   void set(int lane, const StressUpdate<dim>& found, const Tangent<dim>* with_A) {
     set_stress(lane, found.P);
     for (int k = 0; with_A && k < num_entries * num_entries; ++k) A[k][lane] = with_A->data()[k];

@@ -31,7 +31,7 @@ inline YieldRegion region_of(YieldFace face) {
   }
 }
 
-/// What Mohr-Coulomb and Tresca bring to principal_update().
+/// The return of Mohr-Coulomb and Tresca for principal_update().
 /// @tparam ShearReturn  return to the shear planes without cut-off
 template <auto ShearReturn>
 struct PrincipalSurface {

@@ -10,7 +10,7 @@
 namespace gabion {
 namespace {
 
-/// What the law brings to principal_update(). `share` is what becomes plastic of the inviscid
+/// The return of the law for principal_update(). `share` is what becomes plastic of the inviscid
 /// return within the step, r / (1 + r) of Duvaut and Lions.
 struct Surface {
   struct Return {

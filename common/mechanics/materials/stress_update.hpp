@@ -33,7 +33,7 @@ enum class Refusal {
   pores_closed  ///< the pores of saturated soil would be
 };
 
-/// What holds a point at the end of a step.
+/// Part of the law that holds a point at the end of a step.
 enum class YieldRegion {
   elastic,
   shear,              ///< friction and cohesion: planes and edges, or the cone
@@ -77,7 +77,7 @@ struct StressUpdate {
   bool plastic() const { return region != YieldRegion::elastic; }
 };
 
-/// What a law may know of the step and of the point besides the strain.
+/// Data of the step and of the point that a law may use besides the strain.
 struct PointContext {
   double dt = 0;  ///< step, or substep, in which the strain comes about [s]
   /// Width of the narrowest band of shear that the grid can make at the point [m]; 0: no grid.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a user material answers when it is loaded.
+// Checks of a user material when it is loaded.
 #include <fmt/format.h>
 
 #include <cmath>

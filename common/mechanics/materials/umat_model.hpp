@@ -48,7 +48,7 @@ struct UmatCall {
   int number = 1;                       ///< KINC
 };
 
-/// What the user material answered, in the order of UmatCall.
+/// Answer of the user material, in the order of UmatCall.
 struct UmatAnswer {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   UmatCall::Vector6 stress = UmatCall::Vector6::Zero();  ///< Cauchy [Pa]

@@ -10,7 +10,7 @@
 
 namespace gabion {
 
-/// What a point remembers of a user material, in one array: Cauchy stress, STRAN, F - 1, the stored
+/// State of a user material at a point, in one array: Cauchy stress, STRAN, F - 1, the stored
 /// energy, time and number of increments, then STATEV. Tensors are those at the end of the last
 /// increment, with true components.
 class UmatState {

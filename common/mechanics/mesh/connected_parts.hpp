@@ -41,7 +41,7 @@ std::string unjoined_text(const MeshConnection<dim>& connection);
 template <int dim>
 std::string text_of(const ConnectedPart<dim>& part);
 
-/// What joins the parts of a model in Gmsh, for messages.
+/// Command of Gmsh that joins the parts of a model, for messages.
 inline constexpr const char* how_to_join =
     "join them where they meet (Gmsh: BooleanFragments, or Coherence Mesh)";
 

@@ -13,8 +13,8 @@
 
 namespace gabion {
 
-/// What a Gmsh file of format 4.1 says, with the file's own numbers (Gmsh reference manual,
-/// "MSH file format"). Sections beyond names, entities, nodes and elements are passed over.
+/// Contents of a Gmsh file of format 4.1, with the file's own numbers (Gmsh reference manual, "MSH
+/// file format"). Sections beyond names, entities, nodes and elements are passed over.
 struct GmshFile {
   struct ElementBlock {
     int dimension;

@@ -31,7 +31,7 @@ inline constexpr double merge_share = 1e-6;
 ///                      look to different sides; with `up` a vertical triangle
 TriangleSurface read_triangles(const std::string& path, TriangleNormals normals);
 
-/// What the files say, checked for their format only.
+/// Contents of the files, checked for their format only.
 TriangleSurface read_stl(const std::string& path);
 TriangleSurface read_ply(const std::string& path);
 

@@ -19,7 +19,7 @@ namespace gabion {
 struct Evaluation {
   /// The state is possible (such as det(1 + H) > 0 at every point) and everything is finite.
   bool admissible = true;
-  /// What |r| is compared with: the largest norm of the forces that balance each other in r.
+  /// Scale of |r|: the largest norm of the forces that balance each other in r.
   double force_scale = 0;
   /// |r|, where the problem knows it.
   std::optional<double> residual_norm{};
@@ -58,8 +58,8 @@ class NewtonProblem {
     static_cast<void>(on);
     return false;
   }
-  /// What the norm of a node's block_size increments is compared with, in their unit: a cell size
-  /// [m] for displacements. Unknowns of several units have to be scaled to one.
+  /// Scale of the norm of a node's block_size increments, in their unit: a cell size [m] for
+  /// displacements. Unknowns of several units have to be scaled to one.
   virtual double increment_scale() const = 0;
   /// Words for node i of the vectors, for messages: where a person finds it.
   virtual std::string describe_node(std::size_t i) const { return "node " + std::to_string(i); }

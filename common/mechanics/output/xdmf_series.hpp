@@ -26,8 +26,8 @@ struct OutputField {
   std::function<std::vector<double>()> make = {};
 };
 
-/// What is written of one instant. On several ranks: points and cells of this rank, which stand
-/// behind those of the ranks before; node numbers count the points of all.
+/// Data of one frame. On several ranks: points and cells of this rank, which stand behind those of
+/// the ranks before; node numbers count the points of all.
 struct OutputFrame {
   double time = 0;                      ///< [s]
   int dim = 2;                          ///< dimension of the space of the points, 2 or 3

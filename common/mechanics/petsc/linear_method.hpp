@@ -21,7 +21,7 @@ struct LinearSolverSettings {
 KeyTable linear_solver_keys();
 LinearSolverSettings read_linear_solver_settings(ConfigReader in);
 
-/// What "auto" needs to know about a system.
+/// Properties of a system by which "auto" chooses the method.
 struct LinearRegime {
   bool symmetric = false;
   /// Elastic Courant number c dt / h; infinity for statics. Mass dominates the matrix when small.

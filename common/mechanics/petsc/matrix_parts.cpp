@@ -87,7 +87,7 @@ class PartsIlu final : public PartsPreconditioner {
   std::vector<double> x_;  // values at the held nodes; those of others stay 0 without overlap
 };
 
-// What this rank's part says of the nodes that it shares with one other: row by row the number of
+// Pattern of this rank's part at the nodes that it shares with one other: row by row the number of
 // blocks, their columns by the place in the list of these nodes, and the blocks.
 template <int block_size>
 Packet shared_blocks(const BlockMatrix<block_size>& K, std::span<const std::int32_t> nodes,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What can go wrong, by what the caller can do about it."""
+"""Errors, by what the caller can do about them."""
 
 
 class ParticipantError(Exception):

@@ -246,7 +246,7 @@ class Participant:
         if os.getpid() == self._process:  # a copy of the process has no say
             self._leave(getattr(sys, "last_value", None))
 
-    # What follows waits for and answers requests.
+    # The methods below wait for requests and answer them.
 
     def _settle(self) -> None:
         """Let a step be open, or the run finished."""
@@ -296,7 +296,7 @@ class Participant:
             self._connection.abort(text_of(problem))
             raise
 
-    # What follows checks the order of calls.
+    # The methods below check the order of calls.
 
     def _before_initialize(self, call: str) -> None:
         if self._connection:

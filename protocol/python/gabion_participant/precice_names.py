@@ -254,7 +254,7 @@ class Participant:
     def stop_last_profiling_section(self) -> None:
         """Nothing."""
 
-    # What follows has no counterpart.
+    # The functions below have no counterpart.
 
     def set_mesh_tetrahedron(self, *_: Any) -> None:
         raise NotMapped("set_mesh_tetrahedron: couples volumes; allowed: surfaces")

@@ -10,7 +10,7 @@ from pathlib import Path
 from .settings import Settings
 
 LAST_LINES = 8
-# What ccx says when Newton's iteration finds no solution; a smaller step may have one.
+# Message of ccx when Newton's iteration finds no solution; a smaller step may have one.
 NO_SOLUTION = ("solution seems to diverge", "too many iterations", "too many cutbacks",
                "increment size smaller than minimum", "max. # of increments reached", "nonpositive jacobian")
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a user says of a structure: mesh, surfaces, supports, and the virtual work of its stresses as a form of UFL."""
+"""A structure as its user defines it: mesh, surfaces, supports, and the virtual work of its stresses as a form of
+UFL."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +16,7 @@ Fields = Mapping[str, Any]  # a history field of the accepted state, by name
 
 
 class ModelError(Exception):
-    """What the model says does not fit; the message says what was found and what is allowed."""
+    """Parts of the model do not fit; the message says what was found and what is allowed."""
 
 
 class Model(ABC):

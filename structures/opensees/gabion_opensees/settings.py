@@ -26,7 +26,7 @@ class Settings:
     probes: tuple[dict, ...] = ()
 
     def analysis(self) -> dict:
-        """What the process of the model needs."""
+        """Settings that the process of the model needs."""
         return {name: getattr(self, name) for name in ("procedure", "integrator", "system", "test", "algorithm",
                                                        "max_unknowns")}
 

@@ -55,7 +55,7 @@ class WetSurface:
 
 
 class Description:
-    """What a model is: nodes, elements, variables."""
+    """A model: nodes, elements, variables."""
 
     def __init__(self, described: dict, variables: dict) -> None:
         self.dimension: int = described["dimension"]
