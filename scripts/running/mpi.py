@@ -32,8 +32,8 @@ class Launcher:
 
     @property
     def environment(self) -> dict[str, str]:
-        """What a launch needs in a container, and on a machine that is so busy that mpirun may be late to note the end
-        of a program."""
+        """Settings that a launch needs in a container, and on a machine that is so busy that mpirun may be late to note
+        the end of a program."""
         return dict(FOUR if self.major < 5 else FIVE)
 
     def command(self, programs: list[tuple[int, list[str]]]) -> list[str]:

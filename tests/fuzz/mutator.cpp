@@ -13,7 +13,7 @@
 namespace gabion::fuzz {
 namespace {
 
-/// What parsers and size computations stumble over.
+/// Values over which parsers and size computations stumble.
 constexpr std::array<std::string_view, 34> tokens = {"null",
                                                      "true",
                                                      "-1",

@@ -14,12 +14,10 @@
 
 namespace gabion::test {
 
-/// What a participant does wrong, and when. Steps are numbered from 1; phases:
-///   handshake     connected, before the hello
-///   before_solve  step 2 is accepted, step 3 is awaited
-///   inside_solve  in the first solution of step 3
-///   after_solve   that solution is sent
-///   output        while the state after step 4 is written
+/// Misdeed of a participant, and when it happens. Steps are numbered from 1; phases: handshake
+///   connected, before the hello before_solve step 2 is accepted, step 3 is awaited inside_solve in
+///   the first solution of step 3 after_solve that solution is sent output while the state after
+///   step 4 is written
 struct Misdeed {
   std::string kind = "none";  ///< killed, stopped, slow, announced, or one of a liar
   std::string phase;

@@ -37,7 +37,7 @@ class Cell:
 
 
 def when(phase: str) -> str:
-    """What the coupler says of the phase of a participant that it has lost."""
+    """Words of the coupler on the phase of a participant that it has lost."""
     return {"inside_solve": 'in phase "solve_step 3 iteration 0"', "output": 'in phase "write_output"'}.get(
         phase, "last sign of life")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the integration tests share: a tiny scene, launches of the real programs, readers of results.
+"""Parts that the integration tests share: a tiny scene, launches of the real programs, readers of results.
 
 Every test is called with the folder of the programs: `test_X.py BIN_FOLDER [unittest options]`.
 """
@@ -217,8 +217,8 @@ class IntegrationCase(unittest.TestCase):
         self.scene, self.out = self.folder / "scene", self.folder / "out"
 
     def problem_of(self, action: Callable[[], None]) -> str:
-        """What goes wrong with an action of this object in a folder of its own, empty: nothing. For cases that run
-        side by side, each an object."""
+        """Fault of an action of this object in a folder of its own, empty: none. For cases that run side by side, each
+        an object."""
         self.setUp()
         try:
             action()

@@ -25,7 +25,7 @@ def stone_meets_wall(scheme: str) -> dict[str, dict]:
 
 
 class StoneMeetsWall(IntegrationCase):
-    """What the wall is told is what the stone loses; the stone never gains."""
+    """The momentum that the wall receives is what the stone loses; the stone never gains."""
 
     def run_with(self, scheme: str) -> None:
         self.write_scene(stone_meets_wall(scheme))

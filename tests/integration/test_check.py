@@ -64,7 +64,7 @@ class GoodScene(CheckCase):
 
 
 class Files(CheckCase):
-    """What has to hold from file to file."""
+    """Conditions that have to hold from file to file."""
 
     def test_interfaces_that_do_not_pair_up(self) -> None:
         files = meeting()

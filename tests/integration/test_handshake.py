@@ -16,7 +16,7 @@ class Handshake(IntegrationCase):
         self.write_scene(files)
 
     def with_fake(self, version: str) -> tuple[str, str]:
-        """What a coupler without solvers says, and what a foreign participant of this version gets."""
+        """Text of a coupler without solvers, and its answer to a foreign participant of this version."""
         endpoint = free_endpoint()
         coupler = self.start("--coupler", endpoint, programs=("coupler",))  # the soil does not come
         fake = subprocess.run([launch.binaries / "fake_participant", "structure", endpoint, "--version", version],

@@ -179,7 +179,7 @@ class Interrupted(IntegrationCase):
         self.interrupt(signal.SIGINT, to_group=False)
 
     def test_sigint_of_the_whole_group(self) -> None:
-        """What a terminal sends for Ctrl-C."""
+        """SIGINT to the whole group, as a terminal sends it for Ctrl-C."""
         self.interrupt(signal.SIGINT, to_group=True)
 
 

@@ -66,7 +66,7 @@ class Liar(IntegrationCase):
         self.assert_says(ended.text, "error: ", words)
 
     def lies(self) -> dict[str, object]:
-        """What the solver says -> what it was told."""
+        """Message of the solver -> lie that it was told."""
         quantity = self.quantity
         ask, values, step = self.coupler.request, self.values, self.step
 

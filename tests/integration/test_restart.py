@@ -116,7 +116,7 @@ class Alone(RestartCase):
         run.wait()
         end = f"mpm.json:/time/end={(self.last_step('first') + 20) * files['mpm']['time']['dt']}"
         self.assertLessEqual(len(self.checkpoints("first")), 2)
-        # What a crash may leave: a folder without manifest does not count.
+        # A crash may leave a folder without manifest, which does not count.
         (self.folder / "first" / "checkpoints" / "step_999999").mkdir()
         self.launch_into("straight", "--set", end, programs=("mpm_solver",))
         self.launch_into("second", "--restart", str(self.folder / "first"), "--set", end, programs=("mpm_solver",))

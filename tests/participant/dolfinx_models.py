@@ -112,7 +112,7 @@ def march(structure, steps, dt, force):
 
 
 def main():
-    """What the ranks of mpirun find, as JSON of rank 0."""
+    """Results of the ranks of mpirun, as JSON of rank 0."""
     from mpi4py import MPI
 
     from gabion_dolfinx.structure import Structure

@@ -37,7 +37,7 @@ class Install(unittest.TestCase):
         return done.stdout
 
     def backend(self, function: str) -> Path:
-        """What a function of the backend makes, in the folder."""
+        """File that a function of the backend makes, in the folder."""
         code = (f"import os, sys; sys.path.insert(0, {str(self.source)!r}); os.chdir({str(self.source)!r}); "
                 f"import build_wheel; print(build_wheel.{function}({str(self.folder)!r}))")
         return self.folder / self.python("-c", code).strip()

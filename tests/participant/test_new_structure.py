@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What scripts/new-structure writes, unchanged: it builds without a warning, its test passes, the coupler's check too.
+"""The structure that scripts/new-structure writes, unchanged: it builds without a warning, its test passes, the
+coupler's check too.
 
     test_new_structure.py BUILD_FOLDER BIN_FOLDER [unittest options]
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the tests of scripts/element-test and scripts/calibrate share."""
+"""Parts that the tests of scripts/element-test and scripts/calibrate share."""
 
 import json
 import sys

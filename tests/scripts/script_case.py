@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the tests of scripts share."""
+"""Parts that the tests of scripts share."""
 
 import contextlib
 import importlib.machinery

@@ -76,7 +76,7 @@ class MadeUpColumn(Runner):
 
 
 class WrittenPage(ScriptCase):
-    """What --write makes of a study."""
+    """Page that --write makes of a study."""
 
     def setUp(self) -> None:
         super().setUp()

@@ -85,7 +85,7 @@ def long_readmes(root: Path) -> Iterator[str]:
 
 
 def missing_functions(root: Path) -> Iterator[str]:
-    """What docs/theory says is in a file, and is not there."""
+    """Functions that docs/theory places in a file, and that are not there."""
     for path in sorted((root / "docs" / "theory").glob("*.md")):
         for file, name in NAMED.findall(path.read_text(encoding="utf-8")):
             if not (root / file).exists():

@@ -24,7 +24,7 @@ K_P = (1 + math.sin(math.radians(33))) / (1 - math.sin(math.radians(33)))
 
 
 class Laboratory(ElementCase):
-    """What the tests lead and hold."""
+    """Components that the tests prescribe and hold."""
 
     def test_triaxial_reaches_the_strength(self) -> None:
         for confine in (2e4, 1e5):

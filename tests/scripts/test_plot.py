@@ -491,7 +491,7 @@ class Gauges(ScriptCase):
 
 
 class Curves(ScriptCase):
-    """What stands in the figures of curves."""
+    """Contents of the figures of curves."""
 
     def axes_of(self, plot, *arguments: object) -> list:
         """The axes that `plot` made."""

@@ -136,7 +136,7 @@ class Scenes(ScriptCase):
 
 
 class Install(ScriptCase):
-    """What pip makes of the folder; tests/participant/test_install.py has pip itself."""
+    """Package that pip makes of the folder; tests/participant/test_install.py has pip itself."""
 
     def made(self, function: str) -> Path:
         backend = str(ROOT / "protocol" / "python")

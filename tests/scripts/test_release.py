@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What says twice what stands elsewhere: version, packages of the container, dependencies of the Debian package."""
+"""Facts that stand in two places: version, packages of the container, dependencies of the Debian package."""
 
 import ast
 import re

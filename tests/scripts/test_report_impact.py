@@ -214,8 +214,8 @@ class Footings(ScriptCase):
     """A block on a held underside: the resultant of its reaction and the moment are known."""
 
     def structure(self, corners: list[list[float]], place: str = "fem", held_above: bool = False) -> None:
-        """What does not lie lowest, with held_above what does, turns and so stretches from the first frame to the
-        second."""
+        """Nodes above the lowest turn, with held_above the lowest ones, so that the structure stretches from the first
+        frame to the second."""
         points = np.array(corners, dtype=float)
         points = np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
         cells = np.arange(len(points))[None]

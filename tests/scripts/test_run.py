@@ -240,7 +240,7 @@ class AdvisedRanks(MadeUpCase):
         self.assertEqual(names, ["coupler on 1", "mpm_solver on 3", "fem_solver on 2"])
 
     def test_program_that_does_not_answer_runs_on_one(self) -> None:
-        """What it finds at fault it says in the run."""
+        """mpm_solver reports its faults in the run, not when it is asked."""
         for answer, code in (("", 2), (r"3\0many points\0", 2), ("", 0), (r"many\0points\0", 0), (r"0\0\0", 0)):
             self.assertEqual(self.run_with(answer, code=code), ["mpm_solver on 1"], answer)
         self.assertEqual(self.run_with("", "--ranks", "auto", code=2),
@@ -266,7 +266,7 @@ class OpenMpi5(MadeUpCase):
     """Other names and options than those of Open MPI 4, and no colons."""
 
     def words_of(self, *options: str) -> list[str]:
-        """What mpirun is given."""
+        """Arguments of mpirun."""
         command = self.made_up("#!/bin/bash\nprintf '%s\\0' 'tcp://127.0.0.1:*' soil mpm_solver 0 wall fem_solver 0\n",
                                FIVE.format(folder=self.folder))
         subprocess.run([*command, *options], capture_output=True, check=False, timeout=600)

@@ -138,7 +138,7 @@ class Table(ScriptCase):
         self.assertEqual(cells["minimal root to first picture [min]"], "30")
 
     def test_versions(self) -> None:
-        """What the releases print."""
+        """Printed output of the releases."""
         printed = {"g++": "g++ (Debian 14.2.0-19) 14.2.0\nCopyright (C) 2024", "cmake": "cmake version 3.31.6\n",
                    "mpirun": "mpirun (Open MPI) 5.0.7\n\nReport", "/usr/bin/python3": "Python 3.13.5",
                    "pkg-config": "3.22.5", "dpkg-query": "1:0.9.0-4"}

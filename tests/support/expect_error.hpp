@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What an error says: the one way in which tests expect errors.
+// The text of an error, as all tests check it.
 #pragma once
 
 #include <gtest/gtest.h>

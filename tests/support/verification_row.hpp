@@ -6,7 +6,7 @@
 
 namespace gabion::test {
 
-/// What a row of the verification table is judged by.
+/// Criterion by which a row of the verification table is judged.
 enum class Measure {
   relative_error,  ///< |computed - exact| / |exact|, at most the bound
   absolute_error,  ///< |computed - exact|, at most the bound
@@ -22,8 +22,8 @@ struct VerificationRow {
   Measure measure = Measure::relative_error;
   double bound = 0;
   std::string unit = {};  ///< of exact and computed
-  /// What the method cannot do, where the bound is wider than a reader would expect of it; the row
-  /// is then marked "limit".
+  /// Limit of the method, where the bound is wider than a reader would expect of it; the row is
+  /// then marked "limit".
   std::string limitation = {};
 };
 

@@ -31,7 +31,7 @@ struct SofteningSurface {
 struct SofteningReturn {
   PrincipalReturn state;
   SoftenedConstants constants;
-  double kappa = 0;             ///< what it adds to kappa, >= 0
+  double kappa = 0;             ///< increment of kappa, >= 0
   Eigen::Vector3d eps_e_slope;  ///< d eps_e / d kappa at constant trial strain
   Eigen::Vector3d direction;    ///< d kappa / d eps of the plastic strain
   double slope = 1;             ///< of kappa - |..|, see solve_softening_return()

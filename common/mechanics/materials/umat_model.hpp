@@ -16,8 +16,8 @@ inline constexpr int most_umat_variables = 40;
 /// Places behind PROPS and STATEV that a user material may use by mistake without a crash.
 inline constexpr int umat_room = 64;
 
-/// What DDSDDE is the derivative of: of the Cauchy stress, as most user materials have it, or of
-/// J sigma over J, as the manual of Abaqus asks for.
+/// Meaning of DDSDDE: derivative of the Cauchy stress, as most user materials have it, or that of J
+/// sigma over J, as the manual of Abaqus asks for.
 enum class UmatTangent { cauchy, kirchhoff };
 
 /// Settings of a user material.

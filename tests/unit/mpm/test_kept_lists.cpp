@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What contact by facets keeps of the surfaces' surroundings, against what it finds anew.
+// Lists that contact by facets keeps of nearby simplices, against lists that are made anew.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the summary says of memory.
+// Memory in the summary.
 #include <gtest/gtest.h>
 #include <malloc.h>
 

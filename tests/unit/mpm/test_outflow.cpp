@@ -85,8 +85,8 @@ TEST(Outflow, what_leaves_stays_in_the_balances) {
   expect_balances(3, "linear", "flip");
 }
 
-/// What has gone takes the forces of facets on it out of the scheme, too. The bed lies off the
-/// lines of the grid: what acts on nodes of next to no mass is lost to 1e-8.
+/// Soil that has left takes the forces of facets on it out of the scheme, too. The bed lies off the
+/// lines of the grid: forces on nodes of next to no mass are lost to 1e-8.
 TEST(Outflow, momentum_over_the_edge_of_facets) {
   for (const Json& scheme : {trapezoid, Json{{"scheme", "bossak"}, {"alpha", -0.3}}}) {
     Json json = sliding(2, "gimp");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is looked at before the first step: meshes, bodies in each other, weight.
+// Checks before the first step: meshes, bodies in each other, weight.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What came counts before what died: the peer is known to be gone while its words are on the way.
+// Messages that have come count before a death: the peer is known to be gone while its words are
+// still to be read.
 #include <gtest/gtest.h>
 
 #include <csignal>

@@ -275,7 +275,7 @@ TEST_F(OwnLoop, the_couplers_end_is_told) {
   EXPECT_NE(end.find("the coupler ended the run: disk full"), std::string::npos) << end;
 }
 
-/// What `body` throws when a participant, connected and with an open step, does it.
+/// Text that `body` throws when a participant, connected and with an open step, runs it.
 std::string usage_error(const std::function<void(Participant&)>& body) {
   Server server(patient_settings());
   const auto settings = participant("structure", server.endpoint());

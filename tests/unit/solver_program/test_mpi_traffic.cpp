@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is sent to other ranks is counted, whoever sends it.
+// Data sent to other ranks is counted, whoever sends it.
 #include <gtest/gtest.h>
 #include <mpi.h>
 

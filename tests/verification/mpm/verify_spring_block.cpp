@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What pushes on a rigid block on a spring: an elastic slug, and water that swings with it.
+// A rigid block on a spring, pushed by an elastic slug, and by water that swings with it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
