@@ -10,10 +10,10 @@
 
 namespace gabion::fem {
 
-/// Time series "lines" of the deformed line cells, each with end points of its own: axial_force
-/// (tension positive), where there are beams shear forces, torsion and bending moments in their
-/// middles (in 2D shear_force and bending_moment), and, where there are brakes, brake_run on the
-/// lines, in the order of the mesh.
+/// Time series "lines" of the deformed line cells, each with end points of its own, in the order of
+/// the mesh. Fields: axial_force (tension positive); where there are beams, shear forces, torsion
+/// and bending moments in their middles (in 2D shear_force and bending_moment); where there are
+/// brakes, brake_run.
 template <int dim>
 class LineOutput {
  public:

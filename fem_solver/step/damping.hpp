@@ -9,10 +9,10 @@
 
 namespace gabion::fem {
 
-/// Constant damping matrix of a mesh, or of a rank's part of one: over the materials of cells
-/// a M + b K_0, M their mass without that at nodes, K_0 their elastic stiffness before loading; and
-/// dashpots from nodes to the ground (docs/theory/structure.md, (T4a)). It is symmetric and
-/// positive semidefinite.
+/// Constant damping matrix of a mesh, or of a rank's part of one. Over the materials of cells it is
+/// a M + b K_0, with M their mass without that at nodes and K_0 their elastic stiffness before
+/// loading. Dashpots from nodes to the ground are added (docs/theory/structure.md, (T4a)). The
+/// matrix is symmetric and positive semidefinite.
 template <int dim>
 class Damping {
  public:

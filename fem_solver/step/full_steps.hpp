@@ -8,9 +8,9 @@
 
 namespace gabion::fem {
 
-/// Newton's method with full steps and a new matrix each, until a line search can take over: a
+/// Newton's method with full steps and a new matrix each, until a line search can take over. A
 /// slender beam that bends in a step is stretched by it, so that |r| grows before it falls, and a
-/// line search would cut all steps. If it does not get there, du stays.
+/// line search would cut all steps. If these steps do not get there, du stays.
 /// @param equilibrium  of a step that has begun
 /// @param linear       with its regime
 /// @returns  number of steps

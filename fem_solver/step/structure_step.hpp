@@ -47,8 +47,8 @@ class StructureStep {
   void complete(const StructureState& state_n, double dt, StructureState& trial);
 
   /// Let cells of a state that becomes the accepted one fail, and those that failed lose more of
-  /// their stress: elastic energy becomes failed energy, and in dynamics the acceleration is that
-  /// of the forces that are left, so that the next step makes no energy.
+  /// their stress. Elastic energy becomes failed energy. In dynamics the acceleration is that of
+  /// the forces that are left, so that the next step makes no energy.
   /// @param state  complete
   /// @returns      those of this rank that begin to fail
   /// @note Collective.

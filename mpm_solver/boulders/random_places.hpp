@@ -23,8 +23,8 @@ struct RandomRegion {
 };
 
 /// Places for spheres around boulders: in a region, apart from each other, from other boulders and
-/// in front of interfaces and rigid walls as they are at time 0. One sphere after the other, each
-/// where the first draw has room (random sequential addition).
+/// in front of interfaces and rigid walls as they are at time 0. One sphere is placed after the
+/// other, each where the first draw has room (random sequential addition).
 template <int dim>
 class RandomPlaces {
  public:

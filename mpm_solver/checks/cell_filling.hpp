@@ -11,9 +11,9 @@ namespace gabion::mpm {
 inline constexpr double even_filling = 0.01;
 
 /// Largest difference between the volume of the points in a cell and that of the cell, over the
-/// latter, among cells inside the soil: all cells around their nodes are filled by `least_filling`.
-/// It is 0 where the meshes of the bodies fit the cells of the grid, and where no cell is inside.
-/// Points outside the grid do not count.
+/// latter, among cells inside the soil: cells around whose nodes all cells are filled by
+/// `least_filling`. The result is 0 where the meshes of the bodies fit the cells of the grid, and
+/// where no cell is inside. Points outside the grid do not count.
 /// @param layouts  bodies as they will be laid
 template <int dim>
 double uneven_filling(const BackgroundGrid<dim>& grid,

@@ -19,9 +19,9 @@ class BoundaryPoints final : public WholeContact<dim> {
  public:
   BoundaryPoints(const ContactSettings<dim>& settings, const BoundaryPointSettings& method);
 
-  /// The soil of each boundary point at its accepted position is that of the point's cell (of
-  /// several, on a facet of the grid, one with soil); where that holds none, that of the nearest
-  /// cell in front of the point, within soil.reach, or within one cell size for a point that had
+  /// Find the soil of each boundary point at its accepted position: that of the point's cell (on a
+  /// facet of the grid, of a cell with soil). If this cell holds none, that of the nearest cell in
+  /// front of the point is taken, within soil.reach, or within one cell size for a point that had
   /// soil in the step before. The basis functions of such a cell are continued to the point. So a
   /// wall that recedes across a line of the grid keeps its soil.
   void begin_step(const SoilSurface<dim>& soil) override;

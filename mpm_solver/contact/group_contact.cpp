@@ -50,7 +50,7 @@ Vector<dim> turned_slip(const Vector<dim>& slip, const Vector<dim>& n) {
 }
 
 // A gap not below the gap that the node had when it was closed before, nor below the overlap of the
-// nearest points: across a re-entrant corner a slanted plane separates the points, and the spheres
+// nearest points. Across a re-entrant corner a slanted plane separates the points, and the spheres
 // along its normal overlap by far more than the bodies do.
 template <int dim>
 double bounded_gap(const GroupNode<dim>& node, double before) {
@@ -130,7 +130,7 @@ double GroupContact<dim>::stored_at_start(const ContactNode& contact) const {
 }
 
 // Limit the rise of the energy stored by some nodes since the end of the step before to the fall of
-// that stored by others, nodes that are left included: the springs of a pair never gain by a new
+// that stored by others, nodes that are left included. So the springs of a pair never gain by a new
 // gap, area or slip.
 template <int dim>
 void GroupContact<dim>::keep_stored_energy() {

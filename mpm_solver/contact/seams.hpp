@@ -16,8 +16,8 @@ struct PlacedSurface {
 };
 
 /// Surfaces that are searched as one for contact points: those whose rim meets the other one flush,
-/// at an outside corner or at a bend by less than that of `corner_cosine`. At a corner that the
-/// soil lies in, as between a floor and a wall, each of the two is searched by itself: no rim
+/// at an outside corner, or at a bend by less than that of `corner_cosine`. At a corner that the
+/// soil lies in, as between a floor and a wall, each of the two is searched by itself, since no rim
 /// interferes there.
 /// @param tolerance  a rim that is nearer to a surface meets it [m]
 /// @returns for each surface the first of those that it is joined with; itself: it is the first

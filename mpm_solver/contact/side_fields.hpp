@@ -25,10 +25,9 @@ bool can_double_nodes(const BackgroundGrid<dim>& grid);
 
 /// Gives soil on the two sides of a thin wall nodes of its own (docs/theory/interface.md, fields by
 /// side). A wall is thin where ThinWalls finds it so. A node is doubled where points of both sides
-/// weigh on it, by the sight between point and node through the faces of thin walls, and none that
-/// is at an end of the wall: the points on one side of it keep the node n, those on the other get
-/// n + num_nodes_total(). Which nodes these are, the points of all ranks decide. Refers to the
-/// grid.
+/// weigh on it, by the sight between point and node through the faces of thin walls; nodes at an
+/// end of the wall are not. The points on one side keep the node n, those on the other get n +
+/// num_nodes_total(). The points of all ranks decide which nodes are doubled. Refers to the grid.
 template <int dim>
 class SideFields {
  public:

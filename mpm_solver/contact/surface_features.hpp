@@ -107,9 +107,9 @@ struct FacingSimplex {
 constexpr double corner_cosine = 0.6;
 
 /// Positions of the surface and the simplices that faced a point when a step began. A rim that
-/// meets a simplex at the end of the step, of another surface or of the same one, is no open edge:
-/// there the two are one surface, with or without vertices in common, except where two surfaces
-/// meet in a corner, see corner_cosine.
+/// meets a simplex of this or another surface at the end of the step is no open edge. There the two
+/// are one surface, with or without vertices in common, except where two surfaces meet in a corner,
+/// see corner_cosine.
 template <int dim>
 struct FacingSurface {
   std::span<const Simplex<dim>> simplices;

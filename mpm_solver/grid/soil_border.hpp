@@ -9,11 +9,11 @@
 
 namespace gabion::mpm {
 
-/// The border of the soil, and what it means for the groups of points whose volumes are averaged
-/// under splines (docs/theory/soil.md, F-bar): along each axis on which a cell has a neighbour
-/// without points, its points form a group for each half of it. The knots of splines lie in the
-/// middle of cells. The mean over a whole cell would not see the motion of the splines beyond the
-/// border, in the half cell before it.
+/// The border of the soil, for the groups of points whose volumes are averaged under splines
+/// (docs/theory/soil.md, F-bar). Along each axis on which a cell has a neighbour without points,
+/// its points form a group for each half of it. The knots of splines lie in the middle of cells.
+/// The mean over a whole cell would not see the motion of the splines beyond the border, in the
+/// half cell before it.
 ///
 /// Cells at the sides of the grid count as borders only where a neighbour in the grid is empty:
 /// there are no splines beyond a side. Refers to the grid.

@@ -189,9 +189,9 @@ bool is_column(const Matrix<dim>& jacobian);
 template <int dim>
 bool has_columns(const Mesh<dim>& mesh);
 
-/// Half lengths of the box that stands for a point, with the volume of the point: as long by wide
-/// as the edges of a cell that is_column, where these boxes fill it with `regular` points; else as
-/// the cell reaches along the axes.
+/// Half lengths of the box that stands for a point, with the volume of the point. In a cell that
+/// is_column and that these boxes fill with `regular` points, the sides have the ratio of the
+/// cell's edges, else that of its extents along the axes.
 /// @param jacobian  dx/dxi of the body's cell at the point
 template <int dim>
 Vector<dim> point_domain(const Matrix<dim>& jacobian, double volume);

@@ -11,8 +11,8 @@
 namespace gabion::mpm {
 
 /// Memory of the data that grow with the soil, at its largest in a step: material points, their
-/// weights on the nodes, their trial state, nodes, the values of the stiffness (one rank: with
-/// PETSc's list of their columns), its pattern, the preconditioner.
+/// weights on the nodes and their trial state; nodes; values and pattern of the stiffness (one
+/// rank: with PETSc's list of columns); the preconditioner.
 template <int dim>
 class Memory {
  public:

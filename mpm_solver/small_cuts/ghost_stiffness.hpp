@@ -25,10 +25,10 @@ inline constexpr double small_cut_fill = 0.6;
 /// of (s [[du/dn]])^2 over a cell of height h, s the distance from F, is h^3 / 3 int_F [[du/dn]]^2
 /// dA; a stiffness has two derivatives more, hence the factor 1/h^2 beside it.
 ///
-/// It acts on the increment du of the step, so it is a viscosity of about factor E dt for gradients
-/// that jump: it does not resist deformation of earlier steps, stores no energy and dissipates du .
-/// k du >= 0 in a step. Linear fields have no jump and k is symmetric and isotropic: linear
-/// momentum, and angular momentum about the positions at start and end, are kept.
+/// The stiffness acts on the increment du of the step, so it is a viscosity of about factor E dt
+/// for gradients that jump. It does not resist deformation of earlier steps, stores no energy, and
+/// dissipates du . k du >= 0 in a step. Linear fields have no jump, and k is symmetric and
+/// isotropic: linear momentum, and angular momentum about the positions at start and end, are kept.
 ///
 /// @see Burman (2010); Sticko, Ludvigsson, Kreiss (2020); Coombs (2023) for material points
 template <int dim>

@@ -181,9 +181,9 @@ NodalMotion<dim> ExplicitStep<dim>::nodal_motion() const {
   return motion;
 }
 
-// The points get the energy v . M d + d . M S d / 2 + I . (v + S d + W I / 2), S = W M: from the
-// walls, which change v by d = Q v - v, and from the impulse I, of which the forces gave I . (Q v +
-// W I / 2).
+// The points get the energy v . M d + d . M S d / 2 + I . (v + S d + W I / 2), S = W M. It comes
+// from the walls, which change v by d = Q v - v, and from the impulse I, of which the forces gave I
+// . (Q v + W I / 2).
 template <int dim>
 StepBalance<dim> ExplicitStep<dim>::balance() const {
   const auto& found = motion_->result();

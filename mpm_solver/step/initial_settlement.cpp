@@ -41,8 +41,8 @@ double deepest_row_to_reach(const MpmSettings<dim>& settings) {
 }
 
 // Soil as it lies on the surfaces. Without stress the spheres of rectangular cells alone are set
-// off to the surface: rows of triangles are not symmetric, and where a surface cuts the grid all
-// spheres in contact bear less than some of them would; sand in sheared cells that would be in
+// off to the surface. Rows of triangles are not symmetric, and where a surface cuts the grid all
+// spheres in contact bear less than some of them would. Sand in sheared cells that would be in
 // contact with walls and floor at once finds no first balance.
 template <int dim>
 SoilAtRest<dim> soil_at_rest(const MpmSettings<dim>& settings, const Vector<dim>& gravity,

@@ -5,9 +5,9 @@
 
 namespace gabion::mpm {
 
-// Width of the band over the cell size for which a layer that is sheared along the rows of the
-// grid, filled with rows of points as bodies are laid, does the work of a surface that slips by
-// five times its softening slip.
+// Width of the band over the cell size. With it a layer that is sheared along the rows of the grid,
+// filled with rows of points as bodies are laid, does the work of a surface that slips by five
+// times its softening slip.
 constexpr double narrowest_band(Basis basis) {
   return basis == Basis::bspline ? 1.35 : 1;
 }

@@ -24,8 +24,8 @@ struct WallPiece {
 /// Divide the facets around each node of a wall into smooth pieces: two of them are in one piece if
 /// a chain of bends below corner_angle joins them, from edge to edge (in 2D, from segment to
 /// segment). On a smooth surface the mean normal is that of the node to first order in the size of
-/// the facets, and soil that moves at right angles to it at each node keeps its volume: it is the
-/// integral of N_i n.
+/// the facets. It is the integral of N_i n, so soil that moves at right angles to it at each node
+/// keeps its volume.
 /// @param facets  num_facets x num_nodes(facet_type(cell_type)); between two cells, a normal may
 ///                point to either side
 /// @returns ascending nodes, at a node in the order of their first facets

@@ -7,9 +7,9 @@
 
 namespace gabion {
 
-/// Pause of a Krylov method that failed: the direct method has all matrices of the rest of the step
-/// and of `steps` more steps, 4 after the first failure and twice as many after each further one of
-/// the same method in a row, up to 64. Other methods are not concerned.
+/// Pause of a Krylov method that failed: the direct method takes all matrices of the rest of the
+/// step and of `steps` more steps. These are 4 after the first failure, and twice as many after
+/// each further failure of the method in a row, up to 64. Other methods are not concerned.
 struct KrylovPause {
   std::int64_t steps = 0;  ///< still to come in which it is not tried
   std::int64_t last = 0;   ///< what the last failure has set `steps` to; 0 after a success
