@@ -31,6 +31,7 @@ StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm com
       weight_(gravity_forces(settings, equilibrium_)) {
   equilibrium_.set_pattern(K_);
   linear_.set_coordinates(coordinates_of(settings));
+  linear_.accept_round_off();  // Newton's method checks the forces
 }
 
 template <int dim>

@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <set>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/base/log.hpp"
+#include "common/mechanics/mesh/coincident_nodes.hpp"
 
 namespace gabion::fem {
 
@@ -55,6 +58,34 @@ void join_linked(const FemSettings<dim>& settings, std::span<const ConnectedPart
   }
 }
 
+/// Without the places whose nodes all are of one rigid link, which passes forces there.
+template <int dim>
+MeshConnection<dim> without_linked_places(const FemSettings<dim>& settings,
+                                          MeshConnection<dim> connection) {
+  const Mesh<dim>& mesh = settings.mesh;
+  const double near = coincidence_distance(mesh);
+  for (const RigidLinkSettings& link : settings.rigid_links) {
+    std::set<std::int32_t> linked;
+    for (const std::string& group : {link.beam, link.group}) {
+      const auto nodes = settings.ranks.group_nodes(mesh, group, link.where);
+      linked.insert(nodes.begin(), nodes.end());
+    }
+    for (const std::int32_t b : settings.ranks.group_nodes(mesh, link.beam, link.where)) {
+      const auto is_here = [&](const Vector<dim>& x) { return (x - mesh.nodes[b]).norm() <= near; };
+      std::int64_t here = 0, linked_here = 0;
+      for (const std::int32_t i : connection.unjoined) {
+        if (!is_here(mesh.nodes[i])) continue;
+        ++here;
+        linked_here += linked.count(i);
+      }
+      if (here == 0 || linked_here < here) continue;
+      --connection.num_unjoined;
+      std::erase_if(connection.first_unjoined, is_here);
+    }
+  }
+  return connection;
+}
+
 template <int dim>
 std::string touching_text(const MeshConnection<dim>& connection, const ConnectedPart<dim>& part) {
   if (part.num_touching == 0) return "";
@@ -66,7 +97,9 @@ std::string touching_text(const MeshConnection<dim>& connection, const Connected
 
 template <int dim>
 void check_held_parts(const ConfigReader& in, const FemSettings<dim>& settings,
-                      const MeshConnection<dim>& connection) {
+                      const MeshConnection<dim>& found) {
+  const MeshConnection<dim> connection =
+      settings.rigid_links.empty() ? found : without_linked_places(settings, found);
   const auto& parts = connection.parts;
   std::vector<std::array<bool, dim>> held;
   for (const auto& part : parts) held.push_back(held_components(settings, part));

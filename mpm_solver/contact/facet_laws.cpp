@@ -47,7 +47,7 @@ double FacetLaws<dim>::pore_pressure_at(const ContactCandidate<dim>& c, std::int
                                         double radius, const Vector<dim>& n) const {
   const std::optional<SoilSurface<dim>>& soil = search_.soil();
   if (!soil || soil->pore_pressures.empty() || members_[owner].drained) return 0;
-  const double below = radius * n.dot(soil->water_weight);
+  const double below = radius * n.dot(soil->water_weights[c.body]);
   return std::max(0.0, c.pore_pressure - below);
 }
 

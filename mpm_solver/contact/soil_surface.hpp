@@ -34,11 +34,11 @@ struct SoilSurface {
   /// as stiff as the pressures of that weight ask for.
   bool takes_weight = false;
   std::span<const double> weights_of{};  ///< pressure under each body by its own weight [Pa]
-  /// Pressure of pore water that drains at the points when the step begins, -infinity of others
-  /// [Pa]; empty: none drains.
+  /// Pressure of the pore water at the points when the step begins, -infinity of soil without water
+  /// [Pa]; empty: there is none.
   std::span<const double> pore_pressures{};
-  Vector<dim> water_weight = Vector<dim>::Zero();  ///< of that water, rho_w g [N/m^3]
-  MPI_Comm comm = MPI_COMM_SELF;                   ///< of the ranks that share the soil
+  std::span<const Vector<dim>> water_weights{};  ///< rho_w g of the bodies' water [N/m^3]
+  MPI_Comm comm = MPI_COMM_SELF;                 ///< of the ranks that share the soil
 };
 
 /// Soil as it was laid when the run begins.

@@ -143,7 +143,7 @@ SoilSurface<dim> SoilStep<dim>::surface_of_soil() const {
           .takes_weight = start_.takes_weight,
           .weights_of = model_.weights,
           .pore_pressures = pore_pressures_,
-          .water_weight = water_weight(),
+          .water_weights = water_weights_,
           .comm = model_.comm};
 }
 
@@ -163,7 +163,7 @@ void SoilStep<dim>::map_soil() {
 template <int dim>
 void SoilStep<dim>::begin_surfaces() {
   if (state_.surfaces.contacts().empty()) return;
-  if (model_.drains) find_pore_pressures();
+  find_pore_pressures();
   const ScopedTimer timer(times_, "contact search");
   state_.surfaces.begin_step(surface_of_soil());
 }

@@ -76,7 +76,6 @@ class SoilStep {
   void begin_at_rest(const Vector<dim>& gravity, double deepest_row);
   SoilSurface<dim> surface_of_soil() const;
   void map_soil();
-  Vector<dim> water_weight() const;
   void find_pore_pressures();
   PoolLevels pools_at(double time) const;
   void begin_surfaces();
@@ -103,9 +102,10 @@ class SoilStep {
   // the current step, or the last one
   bool under_way_ = false;
   StepStart start_;
-  StrengthSearch strength_;             // after the current step
-  std::vector<double> pore_pressures_;  // SoilSurface::pore_pressures
-  SparseList<char> occupied_;           // SoilOnGrid::occupied_cells; empty where nobody asks
+  StrengthSearch strength_;                 // after the current step
+  std::vector<double> pore_pressures_;      // SoilSurface::pore_pressures
+  std::vector<Vector<dim>> water_weights_;  // SoilSurface::water_weights
+  SparseList<char> occupied_;               // SoilOnGrid::occupied_cells; empty where nobody asks
   SurplusMotions<dim> surplus_;
   TrialPoints<dim> trial_;
   std::unique_ptr<ImplicitStep<dim>> implicit_;

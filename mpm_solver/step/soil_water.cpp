@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "mpm_solver/checks/pools.hpp"
-#include "mpm_solver/checks/seepage.hpp"
 #include "mpm_solver/step/soil_step.hpp"
 
 namespace gabion::mpm {
@@ -15,40 +14,33 @@ PoolLevels SoilStep<dim>::pools_at(double time) const {
                           phase().gravity_ramp.at(time) * model_.settings.gravity);
 }
 
-// Specific weight of water that drains, one for all bodies. Under pools pressures are those beyond
-// the pools', which do not change along the normal of a surface.
-template <int dim>
-Vector<dim> SoilStep<dim>::water_weight() const {
-  const auto& bodies = model_.settings.bodies;
-  if (!model_.settings.pools.empty()) return Vector<dim>::Zero();
-  const auto body = std::ranges::find_if(bodies, drains<dim>);
-  if (body == bodies.end()) return Vector<dim>::Zero();
-  const double share = phase().gravity_ramp.at(start_.time);
-  return share * body->water->density * model_.settings.gravity;
-}
-
-// Pressures at the points. Points whose water does not drain have none at a surface: minus
-// infinity, so that no weight of water raises it above 0 there.
+// What the water at points bears where contact begins. Soil without water has none to carry on to a
+// surface: minus infinity. Under pools pressures are those beyond the pools', which do not change
+// along the normal of a surface.
 template <int dim>
 void SoilStep<dim>::find_pore_pressures() {
+  const auto& bodies = model_.settings.bodies;
+  const auto is_wet = [](const Body<dim>& body) { return body.water.has_value(); };
+  if (std::ranges::none_of(bodies, is_wet)) return;
   const MaterialPoints<dim>& points = state_.points;
   pore_pressures_.assign(points.size(), -std::numeric_limits<double>::infinity());
+  water_weights_.assign(bodies.size(), Vector<dim>::Zero());
   const PoolLevels pools = pools_at(start_.time);
+  const Vector<dim> g = phase().gravity_ramp.at(start_.time) * model_.settings.gravity;
   for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
-    const Body<dim>& body = model_.settings.bodies[b];
-    if (!drains(body)) continue;
+    if (!is_wet(bodies[b])) continue;
+    const PoreWater& water = *bodies[b].water;
+    if (model_.settings.pools.empty()) water_weights_[b] = water.density * g;
     for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
-      pore_pressures_[p] = body.water->at(points.water[p], points.J[p]).p -
-                           pools.template pressure<dim>(points.x[p]);
+      pore_pressures_[p] =
+          water.at(points.water[p], points.J[p]).p - pools.template pressure<dim>(points.x[p]);
     }
   }
 }
 
 template PoolLevels SoilStep<2>::pools_at(double) const;
-template Vector<2> SoilStep<2>::water_weight() const;
 template void SoilStep<2>::find_pore_pressures();
 template PoolLevels SoilStep<3>::pools_at(double) const;
-template Vector<3> SoilStep<3>::water_weight() const;
 template void SoilStep<3>::find_pore_pressures();
 
 }  // namespace gabion::mpm

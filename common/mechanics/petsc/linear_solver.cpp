@@ -21,6 +21,10 @@ namespace {
 
 constexpr double direct_tolerance = 1e-8;
 
+// The same where round-off is accepted of the last method: a singular matrix leaves nearly all of
+// b.
+constexpr double round_off_tolerance = 1e-5;
+
 // The residual that a Krylov method carries along is the true one but for rounding of some 1e-16
 // an iteration: up to these bounds it needs no check.
 constexpr int trusted_iterations = 100;
@@ -47,6 +51,7 @@ struct LinearSolver<block_size>::Implementation {
   int solve(std::span<const double> b, std::span<double> x, double tolerance);
   /// Solve for the right-hand side that `matrix` holds; converged means by the true residual.
   PetscSolver::Result attempt(PetscSolver& solver, double b_norm, double tolerance);
+  double allowed_residual(const LinearMethod& method, double tolerance) const;
   PetscSolver::Result use_main(double b_norm, double tolerance);
   SolutionMethod direct_method() const {
     return choose_direct_method(dim, matrix.num_dofs(), num_ranks);
@@ -66,10 +71,20 @@ struct LinearSolver<block_size>::Implementation {
   PetscSolver main;    // solver with the chosen method
   PetscSolver rescue;  // direct, when the chosen method failed for this matrix
   bool use_rescue_first = false;
+  bool accepts_round_off = false;
+  bool has_been_rescued = false;
   KrylovPause pause;                            // state at the start of the step
   bool has_failed = false, has_worked = false;  // the chosen Krylov method in this step
   std::int64_t fallbacks = 0;
 };
+
+template <int block_size>
+double LinearSolver<block_size>::Implementation::allowed_residual(const LinearMethod& method,
+                                                                  double tolerance) const {
+  if (!method.direct()) return 10 * tolerance;
+  const bool last = method.method == SolutionMethod::mumps;
+  return last && accepts_round_off ? round_off_tolerance : direct_tolerance;
+}
 
 template <int block_size>
 PetscSolver::Result LinearSolver<block_size>::Implementation::attempt(PetscSolver& solver,
@@ -82,7 +97,7 @@ PetscSolver::Result LinearSolver<block_size>::Implementation::attempt(PetscSolve
   if (!direct && result.iterations <= trusted_iterations && tolerance >= trusted_tolerance) {
     return result;
   }
-  const double allowed = (direct ? direct_tolerance : 10 * tolerance) * b_norm;
+  const double allowed = allowed_residual(solver.method(), tolerance) * b_norm;
   // The comparison is false for NaN too.
   if (!(matrix.residual_norm() <= allowed)) {
     result.converged = false;
@@ -99,7 +114,8 @@ PetscSolver::Result LinearSolver<block_size>::Implementation::use_rescue(Solutio
   const std::string how_long =
       chosen.direct() ? "matrix" : fmt::format("step and the next {}", pause_after().steps);
   // Warn once; a regime in which it happens again and again would flood the log.
-  const auto level = fallbacks <= 1 ? log::Level::warn : log::Level::debug;
+  const auto level = has_been_rescued ? log::Level::debug : log::Level::warn;
+  has_been_rescued = true;
   log::write(level, fmt::format("linear solver: {} failed ({}), {} for this {}",
                                 main.method().name(), reason, direct.name(), how_long));
   rescue.configure(direct, 1);
@@ -178,6 +194,11 @@ template <int block_size>
 LinearSolver<block_size>::LinearSolver(LinearSolver&&) noexcept = default;
 template <int block_size>
 LinearSolver<block_size>& LinearSolver<block_size>::operator=(LinearSolver&&) noexcept = default;
+
+template <int block_size>
+void LinearSolver<block_size>::accept_round_off() {
+  impl_->accepts_round_off = true;
+}
 
 template <int block_size>
 void LinearSolver<block_size>::begin_step(const KrylovPause& pause) {

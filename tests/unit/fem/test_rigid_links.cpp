@@ -219,6 +219,20 @@ TEST(RigidLinks, a_post_on_a_stiff_block_is_clamped) {
   }
 }
 
+/// The foot of the post lies in a node of the cube that the link takes along, or in one that it does
+/// not take along.
+TEST(RigidLinks, nodes_that_a_link_joins_are_not_said_to_be_apart) {
+  for (const bool is_linked : {true, false}) {
+    GmshText file = cube_with_post();
+    file.nodes[8] = file.nodes[is_linked ? 4 : 0];
+    const TemporaryMesh mesh(file);
+    testing::internal::CaptureStderr();
+    fem_solver<3>(scene_of_post(mesh.path()));
+    const std::string text = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(text.find("not joined") == std::string::npos, is_linked) << text;
+  }
+}
+
 TEST(RigidLinks, turned_by_an_angle) {
   const Vector<3> turn(0.8, -0.5, 1.1);
   const Matrix<3> R = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
@@ -226,6 +240,29 @@ TEST(RigidLinks, turned_by_an_angle) {
   const Vector<3> tip = tip_of(*loaded(scene_of_post(mesh.path())));
   const Vector<3> turned = tip_of(*loaded(scene_of_post(other.path(), R)));
   EXPECT_LT((turned - R * tip).norm(), 1e-7 * tip.norm());
+}
+
+/// A block hangs on a slender post: the springs of the link move far with its end.
+TEST(RigidLinks, a_block_at_the_end_of_a_slender_post) {
+  const Vector<3> turn(0.8, -0.5, 1.1);
+  const Matrix<3> turned = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+  for (const double width : {0.1, 0.03, 0.02}) {
+    for (const Matrix<3>& R : {Matrix<3>(Matrix<3>::Identity()), turned}) {
+      SCOPED_TRACE(width);
+      const TemporaryMesh mesh(cube_with_post(R, 16));
+      Json json = scene_of_post(mesh.path(), R);
+      json["materials"][0]["cross_section"] = rectangle(width, width);
+      json["materials"][1]["young_modulus"] = E;
+      json["supports"] = {clamp(3, "high")};
+      const double EI = E * std::pow(width, 4) / 12, F = 1e-3 * EI;
+      json["loads"] = {rising_load(list(R * Vector<3>(F, 0, 0)))};
+      json["loads"][0]["group"] = "plate";
+      json["probes"][0]["point"] = list(Vector<3>::Zero());
+      const auto solver = loaded(json);
+      const Vector<3> expected = R * Vector<3>(F * L * L * L / 3 / EI, 0, 0);
+      EXPECT_LT((tip_of(*solver) - expected).norm(), 0.02 * expected.norm());
+    }
+  }
 }
 
 /// A post that holds nothing else up and is thrown: no force acts between it and its cube.
