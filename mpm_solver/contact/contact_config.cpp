@@ -98,6 +98,9 @@ ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double 
     boundary.friction = in.number("friction");
   }
   boundary.weakening = read_weakening(in, boundary.friction);
+  if (in.choice("method") != "facets" && in.object("surface").has("behind")) {
+    in.fail("surface/behind", "allowed only with \"method\": \"facets\"");
+  }
   if (in.choice("method") == "facets") {
     boundary.drained = in.boolean("drained");
     boundary.method = read_facets(in, boundary.mode, resting_factor);
@@ -120,6 +123,9 @@ ContactSettings<dim> read_interface(const Scene& scene, ConfigReader& in, double
 
 template <int dim>
 RigidWallSettings<dim> read_rigid_wall(const Scene& scene, ConfigReader& in, double penalty_unit) {
+  if (in.object("surface").has("behind")) {
+    in.fail("surface/behind", "allowed of interfaces, a rigid wall has no cells that leave");
+  }
   RigidWallSettings<dim> wall;
   wall.boundary = read_boundary<dim>(scene, in, penalty_unit, resting_factor_of_walls);
   wall.name = wall.boundary.name;

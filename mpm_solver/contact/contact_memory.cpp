@@ -132,6 +132,19 @@ void ContactMemory<dim>::forget_member(std::int32_t member) {
 }
 
 template <int dim>
+void ContactMemory<dim>::forget_contact(std::int64_t id, std::int32_t member,
+                                        const Vector<dim>& normal) {
+  const auto entry = contacts_.find(id);
+  if (entry == contacts_.end()) return;
+  std::erase_if(entry->second, [&](const auto& contact) {
+    return contact.owner == member && contact.normal == normal;
+  });
+  if (!entry->second.empty()) return;
+  contacts_.erase(entry);
+  offsets_.erase(id);
+}
+
+template <int dim>
 void ContactMemory<dim>::give(std::span<const std::int64_t> ids, Packet& packet) {
   const auto put_contacts = [&packet](const Contacts& contacts) {
     packet.put(std::ssize(contacts));

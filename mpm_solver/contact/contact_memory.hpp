@@ -92,6 +92,8 @@ class ContactMemory {
   Vector<dim> force_on(std::span<const std::int64_t> ids, std::size_t num_members) const;
   /// A contact sphere without other contacts goes back to its point.
   void forget_member(std::int32_t member);
+  /// Forget a contact of a point, if it is here: that of a member with exactly this normal.
+  void forget_contact(std::int64_t id, std::int32_t member, const Vector<dim>& normal);
   void give(std::span<const std::int64_t> ids, Packet& packet);
   void take(Packet& packet);
   /// @throws Error  a saved member is none of num_members

@@ -53,6 +53,8 @@ struct Hello {
   bool keeps_state = false;        ///< answers to "save" and "load"
   bool takes_force_kinds = false;  ///< answers to "set_force_kinds"
   bool takes_start = false;        ///< answers to "set_start"
+  bool takes_facets = false;       ///< answers to "set_facets"
+  std::vector<std::string> changing;  ///< interfaces whose facets may change
   bool takes_next_step = false;    ///< takes "solve_step" before it has answered "accept_step"
   bool sends_heartbeat = true;     ///< false: judged by its process and the answer deadline alone
   ProcessIdentity process;
