@@ -96,8 +96,8 @@ template <int dim>
 void MpmSolver<dim>::set_facets(const InterfaceFacets& facets) {
   step_.forget();
   for (const auto& [name, own] : facets) {
-    const auto found = std::ranges::find(model_.settings.interfaces, name,
-                                         &ContactSettings<dim>::name);
+    const auto found =
+        std::ranges::find(model_.settings.interfaces, name, &ContactSettings<dim>::name);
     require(found != model_.settings.interfaces.end(),
             "mpm_solver: found other facets of \"{}\", allowed: of its interfaces", name);
     ContactSurface<dim>& surface = found->surface;
@@ -117,8 +117,7 @@ void MpmSolver<dim>::set_facets(const InterfaceFacets& facets) {
     other_[name] = own;
   }
   step_.renew_surfaces();
-  thin_walls_ =
-      ThinWalls<dim>(surfaces_of(model_), step_.soil().shared_pairs(), model_.cell_size);
+  thin_walls_ = ThinWalls<dim>(surfaces_of(model_), step_.soil().shared_pairs(), model_.cell_size);
 }
 
 /// A state has the facets of the interfaces that got others.

@@ -62,9 +62,9 @@ class MpmSolver final : public Solver, public TakesFacets {
   SoilStep<dim> step_;
   SoilReport<dim> report_;
   ThinWalls<dim> thin_walls_;
-  RepeatedFailure failures_;   // of quasi-static steps
-  InterfaceFacets other_;      // facets of the interfaces that got others than at the beginning
-  InterfaceFacets first_;      // those of the beginning, of the same
+  RepeatedFailure failures_;  // of quasi-static steps
+  InterfaceFacets other_;     // facets of the interfaces that got others than at the beginning
+  InterfaceFacets first_;     // those of the beginning, of the same
 };
 
 }  // namespace gabion::mpm

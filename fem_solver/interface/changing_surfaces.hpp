@@ -51,11 +51,11 @@ class ChangingSurfaces {
 
   const FemSettings<dim>& settings_;
   std::vector<Surface> surfaces_;
-  std::vector<std::int32_t> owner_;      // of each cell: the interface before it, -1: none
-  std::int64_t num_gone_ = 0;            // cells
+  std::vector<std::int32_t> owner_;  // of each cell: the interface before it, -1: none
+  std::int64_t num_gone_ = 0;        // cells
   InterfaceFacets facets_;
-  std::vector<std::int64_t> loose_;      // nodes whose cells are all gone, ascending
-  std::vector<double> places_;           // their displacements when the last one went [m]
+  std::vector<std::int64_t> loose_;  // nodes whose cells are all gone, ascending
+  std::vector<double> places_;       // their displacements when the last one went [m]
 };
 
 }  // namespace gabion::fem

@@ -12,9 +12,9 @@
 namespace gabion::fem {
 
 /// The wet surfaces of a structure, one an interface: facets of its mesh, vertices = nodes;
-/// those of cells behind them (WetSurfaceSettings::behind) too. Quadratic facets are split into linear ones on all of their nodes, linear_parts(). They take
-/// forces and give displacements. Each rank has all of the surfaces, and the nodal vectors of
-/// the nodes that it holds.
+/// those of cells behind them (WetSurfaceSettings::behind) too. Quadratic facets are split into
+/// linear ones on all of their nodes, linear_parts(). They take forces and give displacements. Each
+/// rank has all of the surfaces, and the nodal vectors of the nodes that it holds.
 template <int dim>
 class WetSurfaces {
  public:

@@ -24,7 +24,8 @@ bool leaves(const Mesh<dim>& mesh, const WetSurfaceSettings& surface, std::int32
   return std::ranges::binary_search(cells, cell);
 }
 
-/// Whether a cell of this rank has a facet of an interface that stays without it, or a line is a beam of one.
+/// Whether a cell of this rank has a facet of an interface that stays without it, or a line is a
+/// beam of one.
 template <int dim>
 bool is_wet(const FemSettings<dim>& settings, std::int32_t element) {
   const Mesh<dim>& mesh = settings.mesh;

@@ -25,8 +25,7 @@ bool FacetContact<dim>::drop(std::size_t member, bool dropped) {
 }
 
 template <int dim>
-bool FacetContact<dim>::set_facets(const std::string& name,
-                                   std::span<const std::int32_t> facets) {
+bool FacetContact<dim>::set_facets(const std::string& name, std::span<const std::int32_t> facets) {
   for (std::size_t member = 0; member < parts_.num_members(); ++member) {
     if (parts_.surface.member(member).name != name) continue;
     state_.set_facets(member, facets);

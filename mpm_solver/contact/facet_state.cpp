@@ -33,8 +33,7 @@ std::vector<std::int32_t> new_numbers(const ContactSurface<dim>& surface,
   }
   std::vector<std::int32_t> result;
   for (std::size_t f = 0; f < surface.facets.size(); f += n) {
-    const auto found =
-        numbers.find({surface.facets.begin() + f, surface.facets.begin() + f + n});
+    const auto found = numbers.find({surface.facets.begin() + f, surface.facets.begin() + f + n});
     result.push_back(found == numbers.end() ? -1 : found->second);
   }
   return result;
@@ -240,8 +239,8 @@ void FacetState<dim>::visit_state(StateVisitor& visitor, const std::string& pref
     const std::vector<ContactMark<dim>> before = member.marks;
     visit_marks<dim>(visitor, own, surface.facets.size() / num_nodes(surface.facet_type),
                      member.marks);
-    const bool same = std::ranges::equal(before, member.marks, {}, &ContactMark<dim>::x,
-                                         &ContactMark<dim>::x);
+    const bool same =
+        std::ranges::equal(before, member.marks, {}, &ContactMark<dim>::x, &ContactMark<dim>::x);
     if (!same) member.touches.clear();
     const std::pair<const char*, double*> energies[] = {{"stored", &member.energy.stored},
                                                         {"friction", &member.energy.friction},

@@ -54,7 +54,7 @@ class FacetState final : public ContactState<dim> {
   using Remembered = RememberedContact<dim>;
   /// A contact point of the accepted step, as its mark.
   struct Touch {
-    std::int64_t id = 0;                  // of the material point
+    std::int64_t id = 0;                 // of the material point
     double stored = 0, stored_slip = 0;  // in its springs [J]
   };
   /// What a member did in the accepted step.

@@ -156,9 +156,7 @@ KeyTable surface_keys() {
        key::object("mesh", mesh_keys(), "Mesh of the structure.")
            .without("polyline")
            .without("triangles"),
-       key::texts("groups", "Facet groups of that mesh.")
-           .without("polyline")
-           .without("triangles"),
+       key::texts("groups", "Facet groups of that mesh.").without("polyline").without("triangles"),
        key::texts("behind",
                   "Groups of its cells that may leave the structure, as the interface of the "
                   "structure has them.")

@@ -89,7 +89,7 @@ class RemoteSolver : public AsynchronousSolver,
   Switchboard& switchboard_;
   Hello hello_;
   std::vector<double> probes_;
-  InterfaceFacets facets_;  // of the interfaces that may get others
+  InterfaceFacets facets_;                       // of the interfaces that may get others
   mutable std::deque<Outstanding> outstanding_;  // oldest first
   mutable CallTimes last_call_;
   mutable std::map<std::string, CallTimes> times_;

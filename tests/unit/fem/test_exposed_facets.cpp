@@ -65,9 +65,8 @@ std::multiset<std::vector<std::int64_t>> boundary_of_rest(const Mesh<dim>& mesh,
   auto expected = facet_set(boundary_facets(rest), n);
   const auto outer = facet_set(boundary_facets(mesh), n);
   const auto side = facet_set(mesh.facets(wet, "here"), n);
-  std::erase_if(expected, [&](const auto& facet) {
-    return outer.contains(facet) && !side.contains(facet);
-  });
+  std::erase_if(expected,
+                [&](const auto& facet) { return outer.contains(facet) && !side.contains(facet); });
   return expected;
 }
 
