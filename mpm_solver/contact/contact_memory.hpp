@@ -26,6 +26,9 @@ struct RememberedContact {
   double part = 1;                           ///< of the tangential stiffness, in which the slip is
   Vector<dim> lasting = Vector<dim>::Zero();  ///< part of the force that has lasted [N]
   bool took_weight = false;                   ///< it began in a step in which soil took its weight
+  /// Its facet left the surface. Its force still belongs to the acceleration of the accepted state;
+  /// nothing else of it counts any more.
+  bool gone = false;
 
   /// Initial penetration [m].
   double initial_penetration() const { return -normal.dot(slip); }
@@ -35,6 +38,15 @@ struct RememberedContact {
 /// Memory of the contact points of one material point.
 template <int dim>
 using RememberedContacts = std::vector<RememberedContact<dim>>;
+
+/// The first contact whose facet is still there; null: none.
+template <int dim>
+const RememberedContact<dim>* first_left(const RememberedContacts<dim>& contacts) {
+  for (const auto& contact : contacts) {
+    if (!contact.gone) return &contact;
+  }
+  return nullptr;
+}
 
 inline constexpr std::int32_t any_owner = -1;
 
@@ -47,7 +59,7 @@ const RememberedContact<dim>* going_on(const RememberedContacts<dim>* contacts,
   const RememberedContact<dim>* best = nullptr;
   double largest = same_normal;
   for (const auto& contact : *contacts) {
-    if (owner != any_owner && contact.owner != owner) continue;
+    if (contact.gone || (owner != any_owner && contact.owner != owner)) continue;
     if (contact.normal.dot(normal) <= largest) continue;
     largest = contact.normal.dot(normal);
     best = &contact;
@@ -92,8 +104,8 @@ class ContactMemory {
   Vector<dim> force_on(std::span<const std::int64_t> ids, std::size_t num_members) const;
   /// A contact sphere without other contacts goes back to its point.
   void forget_member(std::int32_t member);
-  /// Forget a contact of a point, if it is here: that of a member with exactly this normal.
-  void forget_contact(std::int64_t id, std::int32_t member, const Vector<dim>& normal);
+  /// The facet of a contact left: that of a member with exactly this normal, if the point is here.
+  void leave(std::int64_t id, std::int32_t member, const Vector<dim>& normal);
   void give(std::span<const std::int64_t> ids, Packet& packet);
   void take(Packet& packet);
   /// @throws Error  a saved member is none of num_members

@@ -86,9 +86,8 @@ void FacetState<dim>::set_facets(std::size_t member, std::span<const std::int32_
   // Material points may be on another rank by now.
   const std::vector<double> all = gather_on_all<double>(comm_, left);
   for (std::size_t k = 0; k < all.size(); k += 1 + dim) {
-    parts_.memory.forget_contact(static_cast<std::int64_t>(all[k]),
-                                 static_cast<std::int32_t>(member),
-                                 Eigen::Map<const Vector<dim>>(&all[k + 1]));
+    parts_.memory.leave(static_cast<std::int64_t>(all[k]), static_cast<std::int32_t>(member),
+                        Eigen::Map<const Vector<dim>>(&all[k + 1]));
   }
 }
 

@@ -248,7 +248,9 @@ bool PointSearch<dim>::look_in_front(Candidate& c, const FeatureReach& reach, do
   const double needed = std::max(around, front_reach<dim>(surface, reach, c.motion.norm()));
   known_.clear();
   if (c.memory) {
-    for (const auto& contact : *c.memory) known_.push_back({contact.owner, contact.normal});
+    for (const auto& contact : *c.memory) {
+      if (!contact.gone) known_.push_back({contact.owner, contact.normal});
+    }
   }
   FrontView<dim> view{.surface = surface,
                       .bounds = surface_.search().bounds(),

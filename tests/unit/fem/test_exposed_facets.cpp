@@ -62,6 +62,7 @@ std::multiset<std::vector<std::int64_t>> boundary_of_rest(const Mesh<dim>& mesh,
     const auto cell = mesh.cell(c);
     if (gone[c] == 0) rest.cells.insert(rest.cells.end(), cell.begin(), cell.end());
   }
+  if (rest.cells.empty()) return {};
   auto expected = facet_set(boundary_facets(rest), n);
   const auto outer = facet_set(boundary_facets(mesh), n);
   const auto side = facet_set(mesh.facets(wet, "here"), n);
@@ -136,7 +137,8 @@ Json wall() {
 InterfaceValues pushed(fem::FemSolver<2>& solver, int n, double force) {
   const InterfaceMesh mesh = solver.interfaces().front();
   std::vector<double> values(mesh.coordinates.size(), 0.0);
-  for (const std::int64_t v : solver.facets().at("wall")) values[v * 2] += force;
+  const InterfaceFacets facets = solver.facets();
+  for (const std::int64_t v : facets.at("wall")) values[v * 2] += force;
   InterfaceValues sent;
   const StepRequest request{n, 0, (n - 1) * 1e-3, 1e-3};
   solver.solve_step(request, {{"wall", values}}, sent);

@@ -39,7 +39,14 @@ Json on_floor() {
 
 template <int dim>
 struct Fall {
-  mpm::PlacedSoil<dim> soil{comm(), mpm_settings<dim>(on_floor<dim>()), ""};
+  explicit Fall(const std::string& scheme = "newmark") : soil(comm(), settings(scheme), "") {}
+  static mpm::MpmSettings<dim> settings(const std::string& scheme) {
+    Json json = on_floor<dim>();
+    json["time_integration"] = {{"scheme", scheme}};
+    return mpm_settings<dim>(json);
+  }
+
+  mpm::PlacedSoil<dim> soil;
   InterfaceMesh mesh = soil.interfaces().front();
   int n = 0;
 
@@ -84,8 +91,9 @@ double largest(const std::vector<double>& forces) {
 }
 
 template <int dim>
-void expect_force_on_facets_alone() {
-  Fall<dim> fall;
+void expect_force_on_facets_alone(const std::string& scheme) {
+  SCOPED_TRACE(scheme);
+  Fall<dim> fall(scheme);
   for (int k = 0; k < 8; ++k) fall.step();
   const std::vector<double> before = fall.step();
   ASSERT_GT(largest(before), 0);
@@ -107,11 +115,17 @@ void expect_force_on_facets_alone() {
     on_kept += f;
   }
   EXPECT_GT(on_kept, 0);
+  // The force of the contacts that left has no part in the next step.
+  const double momentum = probe(fall.soil, "mass") * 4;
+  const std::string axis = dim == 2 ? "momentum_error_y" : "momentum_error_z";
+  EXPECT_NEAR(probe(fall.soil, axis), 0, 1e-6 * momentum);
 }
 
 TEST(ChangingFacets, force_comes_to_facets_that_are_left) {
-  expect_force_on_facets_alone<2>();
-  expect_force_on_facets_alone<3>();
+  for (const char* scheme : {"newmark", "explicit"}) {
+    expect_force_on_facets_alone<2>(scheme);
+    expect_force_on_facets_alone<3>(scheme);
+  }
 }
 
 /// Without facets the block flies on with what velocity it has; with those that were behind it
@@ -154,13 +168,12 @@ void expect_restart() {
   Fall<dim> fall, other;
   for (int k = 0; k < 8; ++k) fall.step();
   fall.soil.set_facets({{"floor", fall.half(false)}});
-  fall.step();
   const State state = fall.soil.save_state();
   other.soil.load_state(state);
   other.n = fall.n;
   for (int k = 0; k < 12; ++k) {
     EXPECT_EQ(fall.step(), other.step()) << k;
-    if (k != 4) continue;
+    if (k != 0) continue;
     fall.soil.set_facets({{"floor", fall.half(true)}});
     other.soil.set_facets({{"floor", fall.half(true)}});
   }
