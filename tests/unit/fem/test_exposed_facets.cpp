@@ -129,6 +129,7 @@ Json wall() {
           {"mesh", box_2d({0.5, 1}, {2, 4})},
           {"material", material},
           {"mass", "lumped"},
+          {"gravity", {0, -10}},
           {"supports", {{{"group", "bottom"}}, {{"group", "right"}}}},
           {"interfaces", {{{"name", "wall"}, {"groups", {"left"}}, {"behind", {"all"}}}}}};
 }
@@ -152,7 +153,7 @@ TEST(ChangingSurfaces, facets_go_with_their_cells_and_come_back_at_a_restart) {
   EXPECT_EQ(mesh.num_vertices(), 15);  // all nodes of the cells
   EXPECT_EQ(solver->facets().at("wall"), mesh.facets);
   int n = 0;
-  while (solver->facets().at("wall") == mesh.facets && n < 300) pushed(*solver, ++n, 200);
+  while (solver->facets().at("wall") == mesh.facets && n < 300) pushed(*solver, ++n, 2000);
   ASSERT_LT(n, 300);
   const InterfaceFacets changed = solver->facets();
   const State state = solver->save_state();
@@ -162,7 +163,7 @@ TEST(ChangingSurfaces, facets_go_with_their_cells_and_come_back_at_a_restart) {
   InterfaceFacets last = changed;
   for (int k = 0; k < 200; ++k) {
     ++n;
-    const InterfaceValues sent = pushed(*solver, n, 200), again = pushed(*other, n, 200);
+    const InterfaceValues sent = pushed(*solver, n, 2000), again = pushed(*other, n, 2000);
     ASSERT_EQ(sent, again) << n;
     ASSERT_EQ(solver->facets(), other->facets()) << n;
     last = solver->facets();
