@@ -89,6 +89,42 @@ class BreakingWall(IntegrationCase):
         self.expect_no_gain(2)
         self.expect_breach(2)
 
+    def test_in_space_on_two_ranks_of_the_soil(self) -> None:
+        self.run_scene("--set", "coupler.json:/time/end=0.03", dim=3, ranks={"mpm_solver": 2})
+        self.expect_no_gain(3)
+        self.assertGreater(len({len(facets) for facets, _ in self.frames()}), 1)
+
+    def test_a_restart_gives_the_same_rows(self) -> None:
+        """From right after the step in which the first facets left."""
+        self.write_scene(scene())
+        straight, first, second = (self.folder / name for name in ("straight", "first", "second"))
+        self.out = straight
+        self.run_launch("--set", "coupler.json:/time/end=0.02", code=0)
+        failed = [int(float(row["structure.failed_cells"])) for row in read_table(straight / "steps.csv")]
+        steps = next(k for k, count in enumerate(failed) if count) + 3  # the stress fades over three steps
+        self.out = first
+        self.run_launch("--set", f"coupler.json:/time/end={5e-4 * steps}", code=0)
+        messages = json.loads((first / "summary.json").read_text())["messages"]
+        self.assertEqual(messages["soil"]["set_facets"]["count"], 1)
+        self.out = second
+        self.run_launch("--restart", str(first), "--set", "coupler.json:/time/end=0.02", code=0)
+        for table in ("steps.csv", "probes.csv"):
+            old, new = (restart_rows.rows_without_seconds(out / table) for out in (straight, second))
+            self.assertEqual(len(new) - 1, 40 - steps)
+            self.assertEqual(new[1:], old[1 - len(new):])
+
+    def test_what_cannot_change_is_refused(self) -> None:
+        files = scene()
+        del files["mpm"]["interfaces"][0]["surface"]["behind"]
+        self.write_scene(files)
+        self.assert_says(self.run_launch(code=2).text, 'interface "wall"', '"soil" has other vertices', '"behind"')
+        self.write_scene(scene())
+        self.assert_says(self.run_launch(code=2, ranks={"fem_solver": 2}).text, "/interfaces/0/behind", "several ranks")
+        files = scene()
+        files["mpm"]["boulders"] = [{"name": "rock", "shape": {"radius": 0.1}, "density": 2000, "centre": [0.2, 0.0]}]
+        self.write_scene(files)
+        self.assert_says(self.run_launch(code=2).text, '"soil" does not take others', "without boulders")
+
 
 if __name__ == "__main__":
     launch.main()
