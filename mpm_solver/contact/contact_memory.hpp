@@ -39,13 +39,24 @@ struct RememberedContact {
 template <int dim>
 using RememberedContacts = std::vector<RememberedContact<dim>>;
 
-/// The first contact whose facet is still there; null: none.
+/// Whether the contacts of a point began in a step in which soil took its weight.
+/// @param contacts  may be null
+/// @param now       of a point without any, whose facet is still there
 template <int dim>
-const RememberedContact<dim>* first_left(const RememberedContacts<dim>& contacts) {
-  for (const auto& contact : contacts) {
-    if (!contact.gone) return &contact;
+bool took_weight(const RememberedContacts<dim>* contacts, bool now) {
+  for (std::size_t k = 0; contacts && k < contacts->size(); ++k) {
+    if (!(*contacts)[k].gone) return (*contacts)[k].took_weight;
   }
-  return nullptr;
+  return now;
+}
+
+/// Add those whose facets are still there. @param contacts  may be null
+template <int dim>
+void add_known(const RememberedContacts<dim>* contacts, std::vector<KnownContact<dim>>& known) {
+  for (std::size_t k = 0; contacts && k < contacts->size(); ++k) {
+    const auto& contact = (*contacts)[k];
+    if (!contact.gone) known.push_back({contact.owner, contact.normal});
+  }
 }
 
 inline constexpr std::int32_t any_owner = -1;
