@@ -194,6 +194,11 @@ TEST(ChangingFacets, what_cannot_change_is_refused) {
   expect_error<ConfigError>([&] { mpm_settings<2>(json); },
                             {"/interfaces/0/surface/behind", "\"method\": \"facets\""});
   json = on_floor<2>();
+  json["rigid_walls"] = json["interfaces"];
+  json.erase("interfaces");
+  expect_error<ConfigError>([&] { mpm_settings<2>(json); },
+                            {"/rigid_walls/0/surface/behind", "allowed of interfaces"});
+  json = on_floor<2>();
   json["interfaces"][0]["surface"]["behind"] = {"stone"};
   expect_error<ConfigError>([&] { mpm_settings<2>(json); },
                             {"/interfaces/0/surface/behind", "\"stone\"", "allowed: all"});
