@@ -50,7 +50,8 @@ def settings_of(wall: Wall) -> list[str]:
            "interfaces": [{"name": "wall"} | wet]}
     soil = {"mesh": {"box": {"low": [0.14, 0], "high": [0.24, 0.06], "cells": [20, 12], "type": "quad4"}},
             "velocity": [wall.speed, 0]}
-    mpm = {"interfaces": [{"name": "wall", "surface": {"mesh": mesh} | wet, "friction": 0.36}],
+    grid = {"box": {"low": [0, 0], "high": [0.4, 0.4], "cells": [80, 80], "type": "quad4"}}  # sand splashes up
+    mpm = {"grid": grid, "interfaces": [{"name": "wall", "surface": {"mesh": mesh} | wet, "friction": 0.36}],
            "walls": [{"group": side, "condition": "slip"} for side in ("left", "bottom", "right")]}
     pairs = [(f"fem.json:/{key}", value) for key, value in fem.items()]
     pairs += [(f"mpm.json:/{key}", value) for key, value in mpm.items()]
