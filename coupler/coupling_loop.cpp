@@ -121,9 +121,14 @@ void CouplingLoop::accept(const Attempt& done, int cuts, const Stopwatch& watch)
   sides_.renew_map();
   const AcceptReport structures = sides_.finish_structures_accept(done, accepting);
   const Stopwatch waiting;
-  start_next(done, structures.proposed_dt);
+  const bool other_facets = sides_.take_facets();
+  if (!other_facets) start_next(done, structures.proposed_dt);
   AcceptReport both = sides_.finish_soils_accept(done, waiting);
   soils_dt_ = both.proposed_dt;
+  if (other_facets) {
+    sides_.tell_facets();
+    step_.forget(steps_.after(0).time(), done);
+  }
   steps_.accept(allowed_dt(done, smaller_dt(soils_dt_, structures.proposed_dt)));
   step_.settle_next(request_of(steps_));
   both.probes.insert(both.probes.end(), structures.probes.begin(), structures.probes.end());

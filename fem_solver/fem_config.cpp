@@ -317,6 +317,11 @@ WetSurfaceSettings read_interface(ConfigReader in, const std::string& surface) {
     s.groups = {in.text("facets")};
   }
   if (s.groups.empty()) in.fail("groups", "found [], allowed: at least one facet group");
+  s.behind_where = in.where("behind");
+  if (in.has("behind")) {
+    if (surface != "groups") in.fail("behind", "allowed with \"groups\" of a mesh alone");
+    s.behind = in.texts("behind");
+  }
   in.finish();
   return s;
 }

@@ -100,6 +100,9 @@ struct WetSurfaceSettings {
   std::string name;
   std::vector<std::string> groups;
   std::string where;
+  /// Groups of cells that leave the surface when they are gone, and open what is behind them.
+  std::vector<std::string> behind = {};
+  std::string behind_where = {};
 };
 
 /// A coupled wet surface around the beams of these groups of lines.

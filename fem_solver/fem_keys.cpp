@@ -135,6 +135,11 @@ KeyTable interface_keys() {
                   "Groups of beams; the surface is the outline of their section along them, of "
                   "circles and pipes an octagon, in 2D the sides at half the height.")
            .not_empty()
+           .or_none(),
+       key::texts("behind",
+                  "Groups of cells, or `all`: when such a cell is gone its facets leave the "
+                  "surface, and faces behind it are wet. The soil's `surface` has the same.")
+           .not_empty()
            .or_none()},
       {"groups", "facets", "beams"}};
 }

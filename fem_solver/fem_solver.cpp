@@ -19,6 +19,7 @@ FemSolver<dim>::FemSolver(MPI_Comm comm, FemSettings<dim> settings,
     : settings_(std::move(settings)),
       wet_surfaces_(settings_.mesh, settings_.interfaces, settings_.ranks),
       beam_surfaces_(settings_),
+      changing_(settings_, wet_surfaces_),
       step_(settings_, comm),
       report_(settings_, step_, output_folder),
       state_(step_.initial_state()) {}
@@ -80,6 +81,7 @@ ExternalForces FemSolver<dim>::interface_forces(const InterfaceValues& received,
 template <int dim>
 InterfaceValues FemSolver<dim>::interface_displacements(const StructureState& state) const {
   InterfaceValues sent = wet_surfaces_.displacements(state.motion.u);
+  changing_.hold(sent);
   if (settings_.beam_surfaces.empty()) return sent;
   beam_surfaces_.add_displacements(state.motion.u, turns_of(state), sent);
   return sent;
@@ -117,6 +119,10 @@ AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved
     state_.widest_crack = earlier;
     log_failures<dim>(settings_, step_.fail_cells(request.dt, state_), state_.time,
                       warned_of_wet_failure_);
+    if (changing_.any() && state_.history) {
+      changing_.accept(lost_shares_of_cells(step_.equilibrium().cells(), *state_.history),
+                       state_.motion.u);
+    }
     const Equilibrium<dim>& equilibrium = step_.equilibrium();
     const bool small_strain = std::ranges::any_of(settings_.materials, [](const auto& material) {
       return std::holds_alternative<LinearElastic<dim>>(material.law);
@@ -182,6 +188,7 @@ State FemSolver<dim>::save_state() {
   if (step_.equilibrium().damped()) own.visit_damping(writer);
   if (step_.equilibrium().cracks()) own.visit_damage(writer);
   if (step_.equilibrium().may_fail()) own.visit_failure(writer);
+  if (changing_.any()) changing_.visit_state(writer);
   if (own.history) {
     const CellIntegrals<dim>& cells = step_.equilibrium().cells();
     HistoryRows rows{.cells = ranks.own_elements(settings_.mesh),
@@ -216,6 +223,7 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
     if (step_.equilibrium().damped()) loaded.visit_damping(joiner);
     if (step_.equilibrium().cracks()) loaded.visit_damage(joiner);
     if (step_.equilibrium().may_fail()) loaded.visit_failure(joiner);
+    if (changing_.any()) changing_.visit_state(joiner);
     if (state_.history) loaded.visit_history(joiner, history);
     if (state_.history && loaded.tangent) joiner.list(tangent_history, of_tangent);
     for (const auto& [name, values] : loaded.nodal_vectors()) {
@@ -233,6 +241,9 @@ void FemSolver<dim>::join_states(const State& first, std::span<const State> own)
     if (loaded.tangent) loaded.tangent->history = history_of(history, of_tangent);
   }
   state_ = std::move(loaded);
+  if (changing_.any() && state_.history) {
+    changing_.load(lost_shares_of_cells(step_.equilibrium().cells(), *state_.history));
+  }
 }
 
 /// Send rows of the saved cells to the ranks that have the cells here.

@@ -13,6 +13,7 @@
 #include "common/run/start.hpp"
 #include "fem_solver/fem_config.hpp"
 #include "fem_solver/interface/beam_surfaces.hpp"
+#include "fem_solver/interface/changing_surfaces.hpp"
 #include "fem_solver/interface/wet_surfaces.hpp"
 #include "fem_solver/report/structure_report.hpp"
 #include "fem_solver/step/structure_step.hpp"
@@ -23,7 +24,7 @@ namespace gabion::fem {
 /// displacements (README.md).
 /// @note Every function is collective over the ranks of `comm`.
 template <int dim>
-class FemSolver final : public Solver, public DisplacedAtStart {
+class FemSolver final : public Solver, public DisplacedAtStart, public ChangesFacets {
  public:
   /// @param settings       with the part of this rank of `comm`
   /// @param output_folder  folder of the frames; empty: none are written
@@ -36,6 +37,7 @@ class FemSolver final : public Solver, public DisplacedAtStart {
   bool takes_force_kinds() const override { return true; }
   void set_force_kinds(const ForceKinds& kinds) override;
   InterfaceValues start_displacements() const override { return interface_displacements(state_); }
+  InterfaceFacets facets() const override { return changing_.facets(); }
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override;
@@ -66,6 +68,7 @@ class FemSolver final : public Solver, public DisplacedAtStart {
   FemSettings<dim> settings_;
   WetSurfaces<dim> wet_surfaces_;
   BeamSurfaces<dim> beam_surfaces_;
+  ChangingSurfaces<dim> changing_;
   StructureStep<dim> step_;
   StructureReport<dim> report_;
   StructureState state_;

@@ -87,6 +87,7 @@ BeamSurfaceSettings read_beam_surface(ConfigReader in) {
   for (const char* other : {"groups", "facets"}) {
     if (in.has(other)) in.fail(other, "found beside \"beams\", allowed: one of them");
   }
+  if (in.has("behind")) in.fail("behind", "found beside \"beams\", whose surface stays");
   s.where = in.where("beams");
   s.groups = in.texts("beams");
   if (std::set<std::string>(s.groups.begin(), s.groups.end()).size() < s.groups.size()) {

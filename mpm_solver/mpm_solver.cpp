@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/mpm_solver.hpp"
 
+#include <algorithm>
+
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "mpm_solver/checks/cut_cells.hpp"
 #include "mpm_solver/checks/overlaps.hpp"
 #include "mpm_solver/checks/soil_at_rest.hpp"
+#include "mpm_solver/contact/facet_contact.hpp"
 #include "mpm_solver/contact/start_check.hpp"
 
 namespace gabion::mpm {
@@ -82,14 +85,71 @@ void MpmSolver<dim>::write_output(double time) {
 }
 
 template <int dim>
+bool MpmSolver<dim>::takes_facets() const {
+  return model_.settings.boulders.empty() &&
+         std::ranges::all_of(model_.settings.interfaces, [](const auto& interface) {
+           return std::holds_alternative<FacetSettings>(interface.method);
+         });
+}
+
+template <int dim>
+void MpmSolver<dim>::set_facets(const InterfaceFacets& facets) {
+  step_.forget();
+  for (const auto& [name, own] : facets) {
+    const auto found =
+        std::ranges::find(model_.settings.interfaces, name, &ContactSettings<dim>::name);
+    require(found != model_.settings.interfaces.end(),
+            "mpm_solver: found other facets of \"{}\", allowed: of its interfaces", name);
+    ContactSurface<dim>& surface = found->surface;
+    const auto width = static_cast<std::size_t>(num_nodes(surface.facet_type));
+    require(own.size() % width == 0,
+            "interface \"{}\": found {} vertices of other facets, allowed: {} a facet", name,
+            own.size(), width);
+    const auto end = static_cast<std::int64_t>(surface.vertices.size());
+    for (const std::int64_t vertex : own) {
+      require(vertex >= 0 && vertex < end,
+              "interface \"{}\": other facets name vertex {}, allowed: 0 to {}", name, vertex,
+              end - 1);
+    }
+    first_.try_emplace(name, surface.facets.begin(), surface.facets.end());
+    surface.facets.assign(own.begin(), own.end());
+    mpm::set_facets<dim>(state_.surfaces.contacts(), name, surface.facets);
+    other_[name] = own;
+  }
+  step_.renew_surfaces();
+  thin_walls_ = ThinWalls<dim>(surfaces_of(model_), step_.soil().shared_pairs(), model_.cell_size);
+}
+
+/// A state has the facets of the interfaces that got others.
+template <int dim>
+void MpmSolver<dim>::set_facets_as(const State& state) {
+  InterfaceFacets facets = first_;
+  for (const auto& interface : model_.settings.interfaces) {
+    const Json saved = state.facts.value("facets." + interface.name, Json());
+    if (saved.is_array()) facets[interface.name] = saved.get<std::vector<std::int64_t>>();
+  }
+  if (!facets.empty()) set_facets(facets);
+}
+
+template <int dim>
+State MpmSolver<dim>::save_state() {
+  step_.release();
+  State state = state_.save();
+  for (const auto& [name, facets] : other_) state.facts["facets." + name] = facets;
+  return state;
+}
+
+template <int dim>
 void MpmSolver<dim>::load_state(const State& state) {
   step_.forget();
+  set_facets_as(state);
   state_.load(state, model_);
 }
 
 template <int dim>
 void MpmSolver<dim>::join_states(const State& first, std::span<const State> own) {
   step_.forget();
+  set_facets_as(first);
   state_.join(first, own, model_);
 }
 

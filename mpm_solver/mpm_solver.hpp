@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/timer.hpp"
+#include "common/run/facets.hpp"
 #include "common/run/repeated_failure.hpp"
 #include "common/run/solver.hpp"
 #include "mpm_solver/contact/thin_walls.hpp"
@@ -19,7 +20,7 @@ namespace gabion::mpm {
 /// (docs/theory/soil.md).
 /// @note Every function is collective over the ranks of `comm`.
 template <int dim>
-class MpmSolver final : public Solver {
+class MpmSolver final : public Solver, public TakesFacets {
  public:
   /// @param output_folder  folder of the frames; empty: none are written
   /// @throws ConfigError  a body outside the grid; soil behind or inside a surface; initial stress
@@ -30,6 +31,9 @@ class MpmSolver final : public Solver {
     return state_.surfaces.interface_meshes();
   }
   std::vector<std::string> probe_names() const override { return report_.probe_names(); }
+  /// With contact by facets alone, and without boulders, which know interfaces by their facets.
+  bool takes_facets() const override;
+  void set_facets(const InterfaceFacets& facets) override;
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override;
@@ -38,10 +42,7 @@ class MpmSolver final : public Solver {
   std::vector<double> probes() const override { return report_.probes(state_); }
   Json summary() const override { return report_.summary(state_, step_, times_); }
   bool keeps_state() const override { return true; }
-  State save_state() override {
-    step_.release();
-    return state_.save();
-  }
+  State save_state() override;
   void load_state(const State& state) override;
   bool joins_states() const override { return true; }
   void join_states(const State& first, std::span<const State> own) override;
@@ -53,6 +54,8 @@ class MpmSolver final : public Solver {
   void set_motion(std::vector<Vector<dim>> v, std::vector<Vector<dim>> a);
 
  private:
+  void set_facets_as(const State& state);
+
   SoilModel<dim> model_;
   PhaseTimes times_;
   SoilState<dim> state_;
@@ -60,6 +63,8 @@ class MpmSolver final : public Solver {
   SoilReport<dim> report_;
   ThinWalls<dim> thin_walls_;
   RepeatedFailure failures_;  // of quasi-static steps
+  InterfaceFacets other_;     // facets of the interfaces that got others than at the beginning
+  InterfaceFacets first_;     // those of the beginning, of the same
 };
 
 }  // namespace gabion::mpm

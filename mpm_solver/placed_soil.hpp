@@ -16,7 +16,7 @@ namespace gabion::mpm {
 /// nothing begins displaced, results are those of MpmSolver to the bit.
 /// @note Every function is collective over the ranks of `comm`.
 template <int dim>
-class PlacedSoil final : public Solver, public TakesStart {
+class PlacedSoil final : public Solver, public TakesStart, public TakesFacets {
  public:
   /// The soil of MpmSolver, with the interfaces at X. Where the soil cannot begin with them there,
   /// as soil inside the structure, it may begin with them elsewhere: set_start can follow, or a
@@ -29,6 +29,8 @@ class PlacedSoil final : public Solver, public TakesStart {
   /// Set the soil up again where the interfaces are elsewhere than before.
   /// @throws ConfigError  as the constructor; says how far they are from X
   void set_start(const InterfaceValues& displacements) override;
+  bool takes_facets() const override { return soil_->takes_facets(); }
+  void set_facets(const InterfaceFacets& facets) override { begun().set_facets(facets); }
   /// Solve a step; interfaces without received values stay where they began.
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;

@@ -6,7 +6,7 @@ set(gabion_participant_package ${CMAKE_INSTALL_LIBDIR}/cmake/gabion_participant)
 
 install(TARGETS gabion_participant EXPORT gabion_participant COMPONENT gabion_participant
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT gabion_participant)
-foreach(header base/error.hpp base/json.hpp base/process.hpp base/timer.hpp run/solver.hpp run/start.hpp run/state.hpp
+foreach(header base/error.hpp base/json.hpp base/process.hpp base/timer.hpp run/solver.hpp run/facets.hpp run/start.hpp run/state.hpp
         settings/config_reader.hpp settings/json_text.hpp settings/keys.hpp settings/nearest_word.hpp)
   cmake_path(GET header PARENT_PATH room)
   install(FILES ${PROJECT_SOURCE_DIR}/common/${header}

@@ -2,9 +2,11 @@
 #include "protocol/serve.hpp"
 
 #include "common/base/timer.hpp"
+#include "common/run/facets.hpp"
 #include "common/run/start.hpp"
 #include "protocol/participant/state_machine.hpp"
 #include "protocol/wire/exchange.hpp"
+#include "protocol/wire/facets.hpp"
 
 namespace gabion {
 namespace {
@@ -13,7 +15,10 @@ namespace {
 class DrivenSolver final : public RequestHandler {
  public:
   DrivenSolver(Solver& solver, const Quantity& sends)
-      : solver_(solver), sends_(sends), interfaces_(solver.interfaces()) {}
+      : solver_(solver),
+        sends_(sends),
+        interfaces_(solver.interfaces()),
+        facets_(changing_facets(solver)) {}
 
   Answer set_force_kinds(const ForceKinds& kinds) override {
     solver_.set_force_kinds(kinds);
@@ -23,6 +28,11 @@ class DrivenSolver final : public RequestHandler {
   Answer set_start(const InterfaceValues& displacements) override {
     gabion::set_start(solver_, displacements);
     return start_set(solver_.probes());
+  }
+
+  Answer set_facets(const InterfaceFacets& facets) override {
+    gabion::set_facets(solver_, facets);
+    return new_message("facets_set");
   }
 
   Answer solve_step(const StepRequest& step, InterfaceValues received) override {
@@ -42,6 +52,7 @@ class DrivenSolver final : public RequestHandler {
     const AcceptReport report = solver_.accept_step(step, solved);
     Message reply = new_message("accepted");
     put(reply, report);
+    put_changed_facets(reply);
     return reply;
   }
 
@@ -61,15 +72,28 @@ class DrivenSolver final : public RequestHandler {
 
   Answer load_state(const Message& request) override {
     solver_.load_state(read_state(request));
+    facets_.clear();  // the coupler may know others
     return loaded(solver_.probes());
   }
 
   Answer summarize() override { return new_message("summary", {{"summary", solver_.summary()}}); }
 
  private:
+  /// Facets of interfaces that got others than those that were sent last.
+  void put_changed_facets(Message& reply) {
+    InterfaceFacets changed = changing_facets(solver_);
+    std::erase_if(changed, [&](const auto& entry) {
+      const auto before = facets_.find(entry.first);
+      return before != facets_.end() && before->second == entry.second;
+    });
+    put_facets(reply, interfaces_, changed);
+    for (auto& [name, facets] : changed) facets_[name] = std::move(facets);
+  }
+
   Solver& solver_;
   Quantity sends_;
   std::vector<InterfaceMesh> interfaces_;
+  InterfaceFacets facets_;  // that the coupler was sent last, of those that may change
 };
 
 }  // namespace

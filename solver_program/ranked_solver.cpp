@@ -112,6 +112,10 @@ void RankedSolver::set_start(const InterfaceValues& displacements) {
   together([&] { gabion::set_start(inner_, displacements); });
 }
 
+void RankedSolver::set_facets(const InterfaceFacets& facets) {
+  together([&] { gabion::set_facets(inner_, facets); });
+}
+
 StepReport RankedSolver::solve_step(const StepRequest& request, const InterfaceValues& received,
                                     InterfaceValues& sent) {
   StepReport report;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/run/facets.hpp"
 #include "common/run/solver.hpp"
 #include "common/run/start.hpp"
 #include "solver_program/mpi_traffic.hpp"
@@ -17,7 +18,11 @@ namespace gabion {
 /// an error on any of them becomes one on all, the worst one. On one rank calls are passed on
 /// directly.
 /// @note Functions are collective; the solver's own answers are there on every rank.
-class RankedSolver final : public Solver, public DisplacedAtStart, public TakesStart {
+class RankedSolver final : public Solver,
+                           public DisplacedAtStart,
+                           public TakesStart,
+                           public ChangesFacets,
+                           public TakesFacets {
  public:
   /// @param inner  outlives this object
   RankedSolver(MPI_Comm comm, Solver& inner);
@@ -29,6 +34,9 @@ class RankedSolver final : public Solver, public DisplacedAtStart, public TakesS
   InterfaceValues start_displacements() const override;
   bool takes_start() const override { return gabion::takes_start(inner_); }
   void set_start(const InterfaceValues& displacements) override;
+  InterfaceFacets facets() const override { return changing_facets(inner_); }
+  bool takes_facets() const override { return gabion::takes_facets(inner_); }
+  void set_facets(const InterfaceFacets& facets) override;
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override;

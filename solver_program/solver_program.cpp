@@ -105,7 +105,9 @@ void serve_on_ranks(MPI_Comm comm, Solver& inner, const ParticipantSettings& set
                            .keeps_state = solver.keeps_state(),
                            .takes_force_kinds = solver.takes_force_kinds(),
                            .start = start,
-                           .takes_start = solver.takes_start()});
+                           .takes_start = solver.takes_start(),
+                           .takes_facets = solver.takes_facets(),
+                           .changing = changing_interfaces(solver)});
     welcomed(*connection);
   } catch (const std::exception& problem) {
     end_followers(comm, problem.what());

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <set>
 
 #include "common/base/log.hpp"
@@ -160,6 +161,12 @@ InterfaceLayout InterfaceMap::layout(const std::string& participant) const {
                       .size = std::ssize(mesh.coordinates)});
   }
   return {participant, places};
+}
+
+bool InterfaceMap::has_same_vertices(const std::string& interface) const {
+  return std::ranges::any_of(interfaces_, [&](const Interface& own) {
+    return own.names.name == interface && own.mapping.is_identity();
+  });
 }
 
 Eigen::VectorXd InterfaceMap::soil_displacement(const Eigen::VectorXd& x) const {

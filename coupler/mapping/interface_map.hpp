@@ -58,6 +58,9 @@ class InterfaceMap {
   Resultant soil_resultant(const Eigen::VectorXd& u, const Eigen::VectorXd& f_soil) const;
   Resultant structure_resultant(const Eigen::VectorXd& x, const Eigen::VectorXd& f) const;
 
+  /// Whether both sides of an interface have the same vertices in the same order.
+  bool has_same_vertices(const std::string& interface) const;
+
   /// Resultants on the structure at each interface, in the order of the settings; moments about its
   /// InterfaceSettings::moment_about, a place in space.
   std::vector<Resultant> structure_resultants(const Eigen::VectorXd& x,

@@ -176,7 +176,8 @@ Mapping::Mapping(const InterfaceMesh& structure, const InterfaceMesh& soil,
 /// The place on the structure that each soil vertex belongs to.
 std::vector<SurfacePoint> Mapping::find_images(const Surface& from, const Surface& to,
                                                const MappingSettings& settings) {
-  const bool on_facets = from.has_facets() && settings.method != "nearest_neighbor";
+  // Vertices that are the same are where they are, on a facet or not.
+  const bool on_facets = from.has_facets() && settings.method != "nearest_neighbor" && !identity_;
   std::vector<SurfacePoint> images;
   for (std::int64_t v = 0; v < to.num_vertices(); ++v) {
     const Eigen::Vector3d x = to.vertex(v);

@@ -187,6 +187,14 @@ void CoupledStep::accept(const Attempt& done, double time) {
   predictor_.accept(time, scheme_->unknowns(done.x_tilde, done.f));
 }
 
+void CoupledStep::forget(double time, const Attempt& done) {
+  forgotten_columns_ = acceleration_->reset();
+  columns_dt_ = 0;
+  ++counts_.history_resets;
+  predictor_.forget();
+  predictor_.accept(time, scheme_->unknowns(done.x_tilde, done.f));
+}
+
 void CoupledStep::start_next(const StepRequest& request, const DtRange& proposed) {
   next_ = predict(request);
   sides_.start_next(*next_, proposed);

@@ -35,6 +35,9 @@ class CoupledStep {
   Attempt solve(const StepRequest& request);
   /// Note that the sides accept this attempt. @param time  [s] at the end of the step
   void accept(const Attempt& done, double time);
+  /// Interfaces have other facets: what earlier steps taught belongs to others.
+  /// @param time  [s] of the accepted state
+  void forget(double time, const Attempt& done);
   void reject() { acceleration_->discard_step(); }
   /// Start the soils on the next step, probably this request, while they still accept the last one.
   /// Call it after accept. @pre sides.take_next_step()

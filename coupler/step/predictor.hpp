@@ -19,6 +19,8 @@ class Predictor {
   void accept(double time, const Eigen::VectorXd& x);
   /// @pre at least one state was accepted
   Eigen::VectorXd predict(double time) const;
+  /// Go on without the states before; one has to be accepted next.
+  void forget() { states_.clear(); }
   void visit_state(StateVisitor& visitor);
 
  private:

@@ -72,6 +72,53 @@ Sides::Sides(const CouplerSettings& settings, const std::vector<NamedSolver>& pa
         .emplace_back(map_->layout(role.name), find_solver(participants, role.name));
   }
   accepted_x_ = Eigen::VectorXd::Zero(map_->size());
+  for (const Side& structure : structures_) {
+    for (auto& [name, facets] : changing_facets(structure.solver())) {
+      facets_[name] = std::move(facets);
+    }
+  }
+  check_changing(settings.interfaces);
+}
+
+/// @throws ConfigError  facets may change that the soil of the interface cannot take
+void Sides::check_changing(const std::vector<InterfaceSettings>& interfaces) const {
+  for (const InterfaceSettings& interface : interfaces) {
+    if (!facets_.contains(interface.name)) continue;
+    const auto soil = std::ranges::find_if(
+        soils_, [&](const Side& side) { return side.name() == interface.soil; });
+    require<ConfigError>(
+        takes_facets(soil->solver()),
+        "interface \"{}\": facets of \"{}\" may leave it, and \"{}\" does not take others, "
+        "allowed: a soil with contact by facets and without boulders",
+        interface.name, interface.structure, interface.soil);
+    require<ConfigError>(
+        map_->has_same_vertices(interface.name),
+        "interface \"{}\": facets of \"{}\" may leave it, and \"{}\" has other vertices, allowed: "
+        "the same ones, from the mesh, \"groups\" and \"behind\" of the structure's interface",
+        interface.name, interface.structure, interface.soil);
+  }
+}
+
+bool Sides::take_facets() {
+  for (const Side& structure : structures_) {
+    for (auto& [name, facets] : changing_facets(structure.solver())) {
+      if (facets_[name] == facets) continue;
+      changed_[name] = facets_[name] = std::move(facets);
+    }
+  }
+  return !changed_.empty();
+}
+
+void Sides::tell_facets() {
+  for (const Side& soil : soils_) {
+    InterfaceFacets own;
+    for (const InterfaceMesh& mesh : soil.solver().interfaces()) {
+      const auto found = changed_.find(mesh.name);
+      if (found != changed_.end()) own.insert(*found);
+    }
+    if (!own.empty()) set_facets(soil.solver(), own);
+  }
+  changed_.clear();
 }
 
 void Sides::tell_force_kinds() {
@@ -284,6 +331,11 @@ void Sides::visit_state(StateVisitor& visitor) {
   visit_surfaces(visitor);
   map_->visit_state(visitor);
   visit_vector(visitor, "accepted_x", accepted_x_);
+  for (auto& [name, facets] : facets_) {
+    Json saved = facets;
+    visitor.fact("facets." + name, saved);
+    facets = saved.get<std::vector<std::int64_t>>();
+  }
   for (Side* side : all()) side->visit_state(visitor);
 }
 

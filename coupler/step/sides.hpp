@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/timer.hpp"
+#include "common/run/facets.hpp"
 #include "coupler/coupler_config.hpp"
 #include "coupler/mapping/interface_map.hpp"
 #include "coupler/step/attempt.hpp"
@@ -87,6 +88,10 @@ class Sides {
   bool solve_next() const;
   void call_off_next();
   void reject();
+  /// Take the facets that the structures have after they accepted. @returns whether any changed
+  bool take_facets();
+  /// Tell the soils, once they accepted too, of the facets that take_facets found changed.
+  void tell_facets();
   /// See InterfaceMap::accept. @pre the step was accepted
   void renew_map() { map_->accept(accepted_x_); }
 
@@ -96,6 +101,7 @@ class Sides {
   int finish_all(std::vector<Side>& sides, Eigen::VectorXd& answer);
   AcceptReport finish_accept(std::vector<Side>& sides, const Eigen::VectorXd& given,
                              Stopwatch since);
+  void check_changing(const std::vector<InterfaceSettings>& interfaces) const;
   void visit_surfaces(StateVisitor& visitor) const;
 
   std::vector<Side> soils_;
@@ -103,6 +109,8 @@ class Sides {
   std::unique_ptr<InterfaceMap> map_;
   std::map<std::string, ForceKinds> force_kinds_;  // those each participant sends or receives
   Json surfaces_ = Json::object();                 // participant -> interface -> hash of its mesh
+  InterfaceFacets facets_;                         // of the interfaces that may get others
+  InterfaceFacets changed_;                        // that the soils do not know yet
   Eigen::VectorXd accepted_x_;
   PhaseTimes& phases_;
 };

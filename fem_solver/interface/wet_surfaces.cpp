@@ -8,6 +8,7 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/quadratic_cells.hpp"
+#include "common/mechanics/mesh/cell_groups.hpp"
 #include "common/mechanics/ranks/gather.hpp"
 
 namespace gabion::fem {
@@ -72,6 +73,10 @@ WetSurfaces<dim>::WetSurfaces(const Mesh<dim>& structure,
   for (const auto& interface : interfaces) {
     const auto facets = gather_facets(structure, ranks, interface);
     std::vector<std::int64_t> nodes = facets;
+    if (!interface.behind.empty()) {
+      const auto cells = cells_of_groups(structure, interface.behind, interface.behind_where);
+      for (const std::int32_t node : nodes_of_cells(structure, cells)) nodes.push_back(node);
+    }
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
 

@@ -11,10 +11,10 @@
 
 namespace gabion::fem {
 
-/// The wet surfaces of a structure, one an interface: facets of its mesh, vertices = nodes.
-/// Quadratic facets are split into linear ones on all of their nodes, linear_parts(). They take
-/// forces and give displacements. Each rank has all of the surfaces, and the nodal vectors of
-/// the nodes that it holds.
+/// The wet surfaces of a structure, one an interface: facets of its mesh, vertices = nodes;
+/// those of cells behind them (WetSurfaceSettings::behind) too. Quadratic facets are split into
+/// linear ones on all of their nodes, linear_parts(). They take forces and give displacements. Each
+/// rank has all of the surfaces, and the nodal vectors of the nodes that it holds.
 template <int dim>
 class WetSurfaces {
  public:
@@ -26,6 +26,9 @@ class WetSurfaces {
 
   /// Vertices in the order of their node numbers; facets with outward normals.
   const std::vector<InterfaceMesh>& meshes() const { return meshes_; }
+
+  /// Nodes of the vertices of an interface that this rank holds, -1: it does not.
+  std::span<const std::int32_t> nodes(std::size_t interface) const { return nodes_[interface]; }
 
   /// Set the kind of the forces that each interface will receive; by default those at the end of
   /// the step.

@@ -9,13 +9,23 @@
 #include <vector>
 
 #include "common/base/log.hpp"
+#include "common/mechanics/mesh/cell_groups.hpp"
 #include "common/mechanics/ranks/gather.hpp"
 
 namespace gabion::fem {
 
 namespace {
 
-/// Whether a cell of this rank has a facet of an interface, or a line is a beam of one.
+/// Whether the facets of a cell leave an interface with it.
+template <int dim>
+bool leaves(const Mesh<dim>& mesh, const WetSurfaceSettings& surface, std::int32_t cell) {
+  if (surface.behind.empty()) return false;
+  const auto cells = cells_of_groups(mesh, surface.behind, surface.behind_where);
+  return std::ranges::binary_search(cells, cell);
+}
+
+/// Whether a cell of this rank has a facet of an interface that stays without it, or a line is a
+/// beam of one.
 template <int dim>
 bool is_wet(const FemSettings<dim>& settings, std::int32_t element) {
   const Mesh<dim>& mesh = settings.mesh;
@@ -33,6 +43,7 @@ bool is_wet(const FemSettings<dim>& settings, std::int32_t element) {
   const auto is_own = [&](std::int32_t i) { return std::ranges::find(nodes, i) != nodes.end(); };
   const std::size_t n = num_nodes(facet_type(mesh.cell_type));
   for (const WetSurfaceSettings& surface : settings.interfaces) {
+    if (leaves(mesh, surface, element)) continue;
     for (const std::string& group : surface.groups) {
       const std::span<const std::int32_t> facets = mesh.facets(group, surface.where);
       for (std::size_t f = 0; f < facets.size(); f += n) {
@@ -75,7 +86,7 @@ void log_failures(const FemSettings<dim>& settings, std::span<const Failure> fai
   warned = true;
   log::warn(
       "{}; it has facets of an interface: they stay in the wet surface, on their nodes, and the "
-      "soil goes on to push them",
+      "soil goes on to push them (\"behind\" of the interface lets them leave)",
       wet);
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <utility>
 
 #include "mpm_solver/config_checks.hpp"
 #include "mpm_solver/contact/surface_config.hpp"
@@ -80,13 +81,16 @@ FrictionFall read_weakening(ConfigReader& in, double friction) {
 }
 
 // Settings that interfaces and rigid walls have in common.
+// @param coupled  it is an interface
 template <int dim>
 ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double penalty_unit,
-                                   double resting_factor) {
+                                   double resting_factor, bool coupled) {
   ContactSettings<dim> boundary;
   boundary.name = in.name("name");
   boundary.where = in.where("surface");
-  boundary.surface = read_surface<dim>(scene, in.object("surface"));
+  ConfigReader surface = in.object("surface");
+  const bool may_change = surface.has("behind");
+  boundary.surface = read_surface<dim>(scene, std::move(surface));
   static const std::map<std::string, ContactMode> modes = {{"fixed", ContactMode::fixed},
                                                            {"contact", ContactMode::contact},
                                                            {"slip", ContactMode::slip}};
@@ -98,6 +102,9 @@ ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double 
     boundary.friction = in.number("friction");
   }
   boundary.weakening = read_weakening(in, boundary.friction);
+  if (may_change && !(coupled && in.choice("method") == "facets")) {
+    in.fail("surface/behind", "allowed of interfaces with \"method\": \"facets\"");
+  }
   if (in.choice("method") == "facets") {
     boundary.drained = in.boolean("drained");
     boundary.method = read_facets(in, boundary.mode, resting_factor);
@@ -113,7 +120,7 @@ ContactSettings<dim> read_boundary(const Scene& scene, ConfigReader& in, double 
 
 template <int dim>
 ContactSettings<dim> read_interface(const Scene& scene, ConfigReader& in, double penalty_unit) {
-  auto boundary = read_boundary<dim>(scene, in, penalty_unit, 0);
+  auto boundary = read_boundary<dim>(scene, in, penalty_unit, 0, true);
   in.finish();
   return boundary;
 }
@@ -121,7 +128,7 @@ ContactSettings<dim> read_interface(const Scene& scene, ConfigReader& in, double
 template <int dim>
 RigidWallSettings<dim> read_rigid_wall(const Scene& scene, ConfigReader& in, double penalty_unit) {
   RigidWallSettings<dim> wall;
-  wall.boundary = read_boundary<dim>(scene, in, penalty_unit, resting_factor_of_walls);
+  wall.boundary = read_boundary<dim>(scene, in, penalty_unit, resting_factor_of_walls, false);
   wall.name = wall.boundary.name;
   if (auto item = in.optional_object("motion")) wall.motion = read_rigid_motion<dim>(*item);
   const auto place = in.vector("moment_about", dim);

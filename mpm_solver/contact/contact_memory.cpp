@@ -132,6 +132,16 @@ void ContactMemory<dim>::forget_member(std::int32_t member) {
 }
 
 template <int dim>
+void ContactMemory<dim>::leave(std::int64_t id, std::int32_t member, const Vector<dim>& normal) {
+  const auto entry = contacts_.find(id);
+  if (entry == contacts_.end()) return;
+  for (auto& contact : entry->second) {
+    if (contact.owner != member || contact.normal != normal) continue;
+    contact = {.owner = member, .normal = normal, .force = contact.force, .gone = true};
+  }
+}
+
+template <int dim>
 void ContactMemory<dim>::give(std::span<const std::int64_t> ids, Packet& packet) {
   const auto put_contacts = [&packet](const Contacts& contacts) {
     packet.put(std::ssize(contacts));
@@ -139,6 +149,7 @@ void ContactMemory<dim>::give(std::span<const std::int64_t> ids, Packet& packet)
       packet.put(contact.owner);
       packet.put(contact.part);
       packet.put(contact.took_weight);
+      packet.put(contact.gone);
       for (const Vector<dim>& v : {contact.normal, contact.force, contact.slip, contact.lasting}) {
         packet.put(v);
       }
@@ -161,6 +172,7 @@ void ContactMemory<dim>::take(Packet& packet) {
       contact.owner = packet.take<std::int32_t>();
       contact.part = packet.take<double>();
       contact.took_weight = packet.take<bool>();
+      contact.gone = packet.take<bool>();
       for (Vector<dim>* v : {&contact.normal, &contact.force, &contact.slip, &contact.lasting}) {
         *v = packet.take<Vector<dim>>();
       }
@@ -184,7 +196,7 @@ void ContactMemory<dim>::visit_contacts(StateVisitor& visitor, const std::string
       ids.push_back(id);
       owners.push_back(contact.owner);
       parts.push_back(contact.part);
-      took_weight.push_back(contact.took_weight ? 1 : 0);
+      took_weight.push_back((contact.took_weight ? 1 : 0) + (contact.gone ? 2 : 0));
       for (const Vector<dim>& v : {contact.normal, contact.force, contact.slip, contact.lasting}) {
         values.insert(values.end(), v.begin(), v.end());
       }
@@ -215,7 +227,8 @@ void ContactMemory<dim>::visit_contacts(StateVisitor& visitor, const std::string
                                  .slip = vector(4 * k + 2),
                                  .part = parts[k],
                                  .lasting = vector(4 * k + 3),
-                                 .took_weight = took_weight[k] != 0});
+                                 .took_weight = took_weight[k] % 2 != 0,
+                                 .gone = took_weight[k] >= 2});
   }
 }
 

@@ -27,6 +27,9 @@ struct RememberedContact {
   Vector<dim> lasting = Vector<dim>::Zero();  ///< part of the force that has lasted [N]
   bool took_weight = false;                   ///< the contact began in a step in which soil took
                                               ///< its weight
+  /// Its facet left the surface. Its force still belongs to the acceleration of the accepted state;
+  /// nothing else of it counts any more.
+  bool gone = false;
 
   /// Initial penetration [m].
   double initial_penetration() const { return -normal.dot(slip); }
@@ -36,6 +39,26 @@ struct RememberedContact {
 /// Memory of the contact points of one material point.
 template <int dim>
 using RememberedContacts = std::vector<RememberedContact<dim>>;
+
+/// Whether the contacts of a point began in a step in which soil took its weight.
+/// @param contacts  may be null
+/// @param now       of a point without any, whose facet is still there
+template <int dim>
+bool took_weight(const RememberedContacts<dim>* contacts, bool now) {
+  for (std::size_t k = 0; contacts && k < contacts->size(); ++k) {
+    if (!(*contacts)[k].gone) return (*contacts)[k].took_weight;
+  }
+  return now;
+}
+
+/// Add those whose facets are still there. @param contacts  may be null
+template <int dim>
+void add_known(const RememberedContacts<dim>* contacts, std::vector<KnownContact<dim>>& known) {
+  for (std::size_t k = 0; contacts && k < contacts->size(); ++k) {
+    const auto& contact = (*contacts)[k];
+    if (!contact.gone) known.push_back({contact.owner, contact.normal});
+  }
+}
 
 inline constexpr std::int32_t any_owner = -1;
 
@@ -48,7 +71,7 @@ const RememberedContact<dim>* going_on(const RememberedContacts<dim>* contacts,
   const RememberedContact<dim>* best = nullptr;
   double largest = same_normal;
   for (const auto& contact : *contacts) {
-    if (owner != any_owner && contact.owner != owner) continue;
+    if (contact.gone || (owner != any_owner && contact.owner != owner)) continue;
     if (contact.normal.dot(normal) <= largest) continue;
     largest = contact.normal.dot(normal);
     best = &contact;
@@ -94,6 +117,8 @@ class ContactMemory {
   /// Forget the contacts with a member; a contact sphere without other contacts goes back to its
   /// point.
   void forget_member(std::int32_t member);
+  /// The facet of a contact left: that of a member with exactly this normal, if the point is here.
+  void leave(std::int64_t id, std::int32_t member, const Vector<dim>& normal);
   void give(std::span<const std::int64_t> ids, Packet& packet);
   void take(Packet& packet);
   /// @throws Error  a saved member is none of num_members

@@ -56,6 +56,10 @@ class FacetContact final : public Contact<dim> {
   void accept() override { state_.accept(); }
   std::size_t num_members() const override { return parts_.num_members(); }
   bool drop(std::size_t member, bool dropped) override;
+  /// Let a member have other facets from now on, of the same vertices: what it remembers of those
+  /// that it has no more is forgotten, and what their springs hold is lost. Between steps;
+  /// collective. @returns false: no member has this name
+  bool set_facets(const std::string& name, std::span<const std::int32_t> facets);
 
   ContactAssembly<dim>& assembly() override { return assembly_; }
   ContactSubsteps<dim>& substeps() override { return substeps_; }
@@ -69,5 +73,11 @@ class FacetContact final : public Contact<dim> {
   FacetResults<dim> results_{parts_, substeps_};
   FacetState<dim> state_{parts_, assembly_, substeps_};
 };
+
+/// FacetContact::set_facets of the contact that has an interface.
+/// @throws Error  its method is another one
+template <int dim>
+void set_facets(const Contacts<dim>& contacts, const std::string& interface,
+                std::span<const std::int32_t> facets);
 
 }  // namespace gabion::mpm

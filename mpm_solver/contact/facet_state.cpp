@@ -4,8 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
+#include "common/base/require.hpp"
+#include "common/mechanics/ranks/gather.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/facet_spheres.hpp"
 
@@ -18,6 +21,23 @@ constexpr double lasting_share = 0.2;
 
 // Initial penetrations below this share of the radius count as none.
 constexpr double rounding = 1e-9;
+
+// The number that each facet of a surface has among others, -1: it is none of them.
+template <int dim>
+std::vector<std::int32_t> new_numbers(const ContactSurface<dim>& surface,
+                                      std::span<const std::int32_t> facets) {
+  const auto n = static_cast<std::size_t>(num_nodes(surface.facet_type));
+  std::map<std::vector<std::int32_t>, std::int32_t> numbers;
+  for (std::size_t f = 0; f < facets.size(); f += n) {
+    numbers[{facets.begin() + f, facets.begin() + f + n}] = static_cast<std::int32_t>(f / n);
+  }
+  std::vector<std::int32_t> result;
+  for (std::size_t f = 0; f < surface.facets.size(); f += n) {
+    const auto found = numbers.find({surface.facets.begin() + f, surface.facets.begin() + f + n});
+    result.push_back(found == numbers.end() ? -1 : found->second);
+  }
+  return result;
+}
 
 }  // namespace
 
@@ -34,7 +54,41 @@ void FacetState<dim>::drop(std::size_t member) {
   own.energy.loss += own.energy.stored;
   own.energy.stored = own.stored_slip = 0;
   own.marks.clear();
+  own.touches.clear();
   parts_.memory.forget_member(static_cast<std::int32_t>(member));
+}
+
+template <int dim>
+void FacetState<dim>::set_facets(std::size_t member, std::span<const std::int32_t> facets) {
+  Member& own = members_[member];
+  const ContactSurface<dim>& surface = parts_.surface.member(member).surface;
+  const auto kept = new_numbers(surface, facets);
+  std::vector<double> left;  // point and normal of the contacts that go
+  std::size_t last = 0;
+  require(own.touches.size() == own.marks.size(),
+          "found other facets right after a state was loaded, allowed: after an accepted step");
+  for (std::size_t k = 0; k < own.marks.size(); ++k) {
+    const std::int32_t facet = kept[own.marks[k].facet];
+    if (facet >= 0) {
+      own.marks[last] = own.marks[k];
+      own.marks[last].facet = facet;
+      own.touches[last++] = own.touches[k];
+      continue;
+    }
+    own.energy.stored -= own.touches[k].stored;
+    own.energy.loss += own.touches[k].stored;
+    own.stored_slip -= own.touches[k].stored_slip;
+    left.push_back(static_cast<double>(own.touches[k].id));
+    left.insert(left.end(), own.marks[k].normal.begin(), own.marks[k].normal.end());
+  }
+  own.marks.resize(last);
+  own.touches.resize(last);
+  // Material points may be on another rank by now.
+  const std::vector<double> all = gather_on_all<double>(comm_, left);
+  for (std::size_t k = 0; k < all.size(); k += 1 + dim) {
+    parts_.memory.leave(static_cast<std::int64_t>(all[k]), static_cast<std::int32_t>(member),
+                        Eigen::Map<const Vector<dim>>(&all[k + 1]));
+  }
 }
 
 template <int dim>
@@ -119,6 +173,7 @@ void FacetState<dim>::accept_contacts(std::size_t owner) {
   const ContactMode mode = parts_.laws.mode(static_cast<std::int32_t>(owner));
   double work = 0, stored = 0, stored_slip = 0, slid = 0;
   member.marks.clear();
+  member.touches.clear();
   for (const std::int32_t k : parts_.points.of(owner)) {
     const Point& contact = parts_.points.all()[k];
     deepest_ = std::max(deepest_, -contact.gap);
@@ -129,8 +184,12 @@ void FacetState<dim>::accept_contacts(std::size_t owner) {
       const Vector<dim> pull = contact.force - n.dot(contact.force) * n;
       slid -= pull.dot(contact.slip - memory.tangential());
     }
-    stored_slip += stored_in_slip(contact, memory);
-    stored += stored_in_depth(contact) + stored_in_slip(contact, memory);
+    const double in_slip = stored_in_slip(contact, memory);
+    stored_slip += in_slip;
+    stored += stored_in_depth(contact) + in_slip;
+    member.touches.push_back({.id = parts_.points.candidate(contact).id,
+                              .stored = stored_in_depth(contact) + in_slip,
+                              .stored_slip = in_slip});
     work -= contact.force.dot(contact.relative);
     parts_.memory.add(parts_.points.candidate(contact).id).push_back(memory);
   }
@@ -176,8 +235,12 @@ void FacetState<dim>::visit_state(StateVisitor& visitor, const std::string& pref
     const std::string own = fmt::format("{}member_{}.", prefix, m);
     parts_.surface.visit_member(m, visitor, own);
     const auto& surface = parts_.surface.member(m).surface;
+    const std::vector<ContactMark<dim>> before = member.marks;
     visit_marks<dim>(visitor, own, surface.facets.size() / num_nodes(surface.facet_type),
                      member.marks);
+    const bool same =
+        std::ranges::equal(before, member.marks, {}, &ContactMark<dim>::x, &ContactMark<dim>::x);
+    if (!same) member.touches.clear();
     const std::pair<const char*, double*> energies[] = {{"stored", &member.energy.stored},
                                                         {"friction", &member.energy.friction},
                                                         {"loss", &member.energy.loss},

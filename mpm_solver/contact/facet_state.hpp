@@ -28,6 +28,10 @@ class FacetState final : public ContactState<dim> {
   /// Forget a member; the energy of its springs is lost.
   void drop(std::size_t member);
 
+  /// A member will have these facets: contacts on others are forgotten, what their springs hold is
+  /// lost. Collective.
+  void set_facets(std::size_t member, std::span<const std::int32_t> facets);
+
   void begin_at_rest(const SoilAtRest<dim>& rest) override;
   ContactEnergy energy() const override;
   ContactFields<dim> fields(const MaterialPoints<dim>& points, double reach,
@@ -48,9 +52,15 @@ class FacetState final : public ContactState<dim> {
  private:
   using Point = ContactPoint<dim>;
   using Remembered = RememberedContact<dim>;
+  /// A contact point of the accepted step, as its mark.
+  struct Touch {
+    std::int64_t id = 0;                 // of the material point
+    double stored = 0, stored_slip = 0;  // in its springs [J]
+  };
   /// Action of a member in the accepted step.
   struct Member {
     std::vector<ContactMark<dim>> marks;
+    std::vector<Touch> touches;  // of each mark; empty where a state was loaded since
     ContactEnergy energy;
     double stored_slip = 0;  // part of its energy in tangential springs [J]
   };

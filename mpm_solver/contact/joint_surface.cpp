@@ -2,6 +2,7 @@
 #include "mpm_solver/contact/joint_surface.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "mpm_solver/points/flat.hpp"
 
@@ -9,27 +10,49 @@ namespace gabion::mpm {
 
 template <int dim>
 JointSurface<dim>::JointSurface(const std::vector<const ContactSettings<dim>*>& members) {
-  for (const auto* settings : members) add(settings->surface);
+  for (const auto* settings : members) add(*settings);
   target_ = end_ = start_;
   rim_ = rim_vertices<dim>(simplices_, start_.size());
   neighbours_ = neighbours_of<dim>(simplices_);
 }
 
 template <int dim>
-void JointSurface<dim>::add(const ContactSurface<dim>& surface) {
+void JointSurface<dim>::add(const ContactSettings<dim>& settings) {
+  const ContactSurface<dim>& surface = settings.surface;
   Member& member = members_.emplace_back();
+  member.name = settings.name;
   member.surface = surface;
   member.first_vertex = static_cast<std::int32_t>(start_.size());
   member.num_vertices = static_cast<std::int32_t>(surface.vertices.size());
-  member.first_simplex = static_cast<std::int32_t>(simplices_.size());
   start_.insert(start_.end(), surface.vertices.begin(), surface.vertices.end());
-  for (Simplex<dim> simplex : gabion::mpm::simplices(surface)) {
+  cut(member);
+}
+
+// Add the simplices of a member behind those of the others.
+template <int dim>
+void JointSurface<dim>::cut(Member& member) {
+  member.first_simplex = static_cast<std::int32_t>(simplices_.size());
+  for (Simplex<dim> simplex : gabion::mpm::simplices(member.surface)) {
     for (std::int32_t& vertex : simplex) vertex += member.first_vertex;
     simplices_.push_back(simplex);
   }
   member.num_simplices = static_cast<std::int32_t>(simplices_.size()) - member.first_simplex;
   search_.add_member(static_cast<std::size_t>(member.num_simplices));
-  owner_.resize(simplices_.size(), num_members() - 1);
+  owner_.resize(simplices_.size(), static_cast<std::int32_t>(&member - members_.data()));
+}
+
+template <int dim>
+void JointSurface<dim>::set_facets(std::size_t member, std::vector<std::int32_t> facets) {
+  members_[member].surface.facets = std::move(facets);
+  simplices_.clear();
+  owner_.clear();
+  search_ = {};
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    cut(members_[m]);
+    search_.drop(m, members_[m].dropped || members_[m].num_simplices == 0);
+  }
+  rim_ = rim_vertices<dim>(simplices_, start_.size());
+  neighbours_ = neighbours_of<dim>(simplices_);
 }
 
 template <int dim>
@@ -108,7 +131,7 @@ void JointSurface<dim>::accept() {
 template <int dim>
 void JointSurface<dim>::drop(std::size_t member, bool dropped) {
   members_[member].dropped = dropped;
-  search_.drop(member, dropped);
+  search_.drop(member, dropped || members_[member].num_simplices == 0);
   if (dropped) members_[member].last_motion = 0;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "mpm_solver/contact/facet_search.hpp"
@@ -15,6 +16,7 @@ template <int dim>
 class JointSurface {
  public:
   struct Member {
+    std::string name;                                   ///< of the interface or wall
     ContactSurface<dim> surface;                        ///< reference
     std::int32_t first_vertex = 0, num_vertices = 0;    ///< of all members'
     std::int32_t first_simplex = 0, num_simplices = 0;  ///< of all members'
@@ -62,6 +64,8 @@ class JointSurface {
 
   /// Make the end of the step the accepted state.
   void accept();
+  /// Let a member have other facets, of the same vertices.
+  void set_facets(std::size_t member, std::vector<std::int32_t> facets);
   /// Let a member act no more, or again, see Contact::drop.
   void drop(std::size_t member, bool dropped);
   void visit_vertices(StateVisitor& visitor, const std::string& prefix);
@@ -70,7 +74,8 @@ class JointSurface {
   }
 
  private:
-  void add(const ContactSurface<dim>& surface);
+  void add(const ContactSettings<dim>& settings);
+  void cut(Member& member);
   void find_motion(Member& member);
 
   std::vector<Member> members_;

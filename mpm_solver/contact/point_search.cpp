@@ -167,7 +167,7 @@ typename PointSearch<dim>::Candidate PointSearch<dim>::candidate_of(const Watche
   c.volume = soil.points.V0[p] * (c.deforms ? soil.points.J[p] : 1);
   c.shape = memory_.shape(c.id, soil.points.depth[p]);
   c.memory = point.memory;
-  c.took_weight = c.memory ? c.memory->front().took_weight : soil.takes_weight;
+  c.took_weight = took_weight(c.memory, soil.takes_weight);
   if (c.took_weight) c.weight = soil.weights_of[group.body];
   if (!soil.pore_pressures.empty()) c.pore_pressure = soil.pore_pressures[p];
   c.reaches_far = c.deforms || soil.grid.basis == Basis::bspline;

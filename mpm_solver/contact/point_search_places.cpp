@@ -247,9 +247,7 @@ bool PointSearch<dim>::look_in_front(Candidate& c, const FeatureReach& reach, do
   const Vector<dim> y = c.x + c.motion;
   const double needed = std::max(around, front_reach<dim>(surface, reach, c.motion.norm()));
   known_.clear();
-  if (c.memory) {
-    for (const auto& contact : *c.memory) known_.push_back({contact.owner, contact.normal});
-  }
+  add_known(c.memory, known_);
   FrontView<dim> view{.surface = surface,
                       .bounds = surface_.search().bounds(),
                       .neighbours = surface_.neighbours(),

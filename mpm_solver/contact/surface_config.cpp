@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 
+#include "common/mechanics/mesh/cell_groups.hpp"
 #include "common/mechanics/mesh/triangle_surface.hpp"
 
 namespace gabion::mpm {
@@ -29,6 +30,32 @@ ContactSurface<dim> surface_of_mesh(const Mesh<dim>& mesh, const std::vector<std
       if (is_new) surface.vertices.push_back(mesh.nodes[node]);
       surface.facets.push_back(entry->second);
     }
+  }
+  return surface;
+}
+
+// The surface with all nodes of groups of cells, in the order of the mesh as the structure has it.
+template <int dim>
+ContactSurface<dim> surface_before_cells(const Mesh<dim>& mesh,
+                                         const std::vector<std::string>& groups,
+                                         const std::vector<std::string>& cells,
+                                         const ConfigReader& in) {
+  std::vector<std::int32_t> nodes =
+      nodes_of_cells(mesh, cells_of_groups(mesh, cells, in.where("behind")));
+  std::vector<std::int32_t> of_facets;
+  for (const auto& group : groups) {
+    const auto& own = mesh.facets(group, in.where("groups"));
+    of_facets.insert(of_facets.end(), own.begin(), own.end());
+  }
+  nodes.insert(nodes.end(), of_facets.begin(), of_facets.end());
+  std::ranges::sort(nodes);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  ContactSurface<dim> surface;
+  surface.facet_type = facet_type(mesh.cell_type);
+  for (const std::int32_t node : nodes) surface.vertices.push_back(mesh.nodes[node]);
+  for (const std::int32_t node : of_facets) {
+    const auto vertex = std::ranges::lower_bound(nodes, node);
+    surface.facets.push_back(static_cast<std::int32_t>(vertex - nodes.begin()));
   }
   return surface;
 }
@@ -130,7 +157,12 @@ KeyTable surface_keys() {
        key::object("mesh", mesh_keys(), "Mesh of the structure.")
            .without("polyline")
            .without("triangles"),
-       key::texts("groups", "Facet groups of that mesh.")
+       key::texts("groups", "Facet groups of that mesh.").without("polyline").without("triangles"),
+       key::texts("behind",
+                  "Groups of its cells that may leave the structure, as the interface of the "
+                  "structure has them.")
+           .not_empty()
+           .or_none()
            .without("polyline")
            .without("triangles")}};
 }
@@ -159,8 +191,10 @@ ContactSurface<dim> read_surface(const Scene& scene, ConfigReader in) {
               "allowed in 2D only; in 3D give \"triangles\", or \"mesh\" and \"groups\"");
     }
   } else {
-    surface = surface_of_mesh(read_mesh<dim>(scene, in.object("mesh")), in.texts("groups"),
-                              in.where("groups"));
+    const Mesh<dim> mesh = read_mesh<dim>(scene, in.object("mesh"));
+    const std::vector<std::string> groups = in.texts("groups");
+    surface = in.has("behind") ? surface_before_cells(mesh, groups, in.texts("behind"), in)
+                               : surface_of_mesh(mesh, groups, in.where("groups"));
   }
   in.finish();
   return surface;

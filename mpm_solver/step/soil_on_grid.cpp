@@ -126,6 +126,15 @@ void SoilOnGrid<dim>::find_thin_walls() {
   }
 }
 
+template <int dim>
+void SoilOnGrid<dim>::renew_surfaces() {
+  sides_.reset();
+  find_thin_walls();
+  if (!sights_) return;
+  const MpmSettings<dim>& settings = model_.settings;
+  sights_.emplace(surfaces_at_start(settings.interfaces, settings.rigid_walls), model_.grid);
+}
+
 // Give the sides of thin walls nodes of their own.
 template <int dim>
 void SoilOnGrid<dim>::split_sides() {

@@ -50,6 +50,9 @@ class SoilOnGrid {
     stop_.forget();
   }
 
+  /// Interfaces have other facets: find anew what depends on them.
+  void renew_surfaces();
+
   const PointWeights<dim>& weights() const { return weights_; }
   const GridNodes<dim>& nodes() const { return nodes_; }
   /// Laws of the points whose constants vary.

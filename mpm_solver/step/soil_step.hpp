@@ -57,6 +57,7 @@ class SoilStep {
   /// program needs much for a moment.
   void release();
 
+  void renew_surfaces() { soil_.renew_surfaces(); }  ///< interfaces have other facets
   const SoilOnGrid<dim>& soil() const { return soil_; }
   const Phase& phase() const { return model_.settings.phases[start_.phase]; }
   const NewtonCounts& newton_counts() const { return sizes_.newton_counts(); }

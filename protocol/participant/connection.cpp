@@ -10,6 +10,7 @@
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
+#include "common/run/facets.hpp"
 #include "common/run/start.hpp"
 #include "gabion_version.hpp"
 #include "protocol/wire/codec.hpp"
@@ -92,6 +93,8 @@ Hello hello_of(const ParticipantSettings& settings, const Introduction& introduc
   hello.takes_force_kinds = introduction.takes_force_kinds;
   hello.start = introduction.start;
   hello.takes_start = introduction.takes_start;
+  hello.takes_facets = introduction.takes_facets;
+  hello.changing = introduction.changing;
   hello.takes_next_step = true;  // requests are taken from the socket one by one
   return hello;
 }
@@ -103,7 +106,9 @@ void Connection::handshake(const Solver& solver) {
              .keeps_state = solver.keeps_state(),
              .takes_force_kinds = solver.takes_force_kinds(),
              .start = start_displacements(solver),
-             .takes_start = takes_start(solver)});
+             .takes_start = takes_start(solver),
+             .takes_facets = takes_facets(solver),
+             .changing = changing_interfaces(solver)});
 }
 
 void Connection::handshake(const Introduction& introduction) {

@@ -52,6 +52,8 @@ struct Introduction {
   bool takes_force_kinds = false;  ///< request "set_force_kinds" will be answered
   InterfaceValues start = {};      ///< displacements in the initial state, where any is not zero
   bool takes_start = false;        ///< request "set_start" will be answered
+  bool takes_facets = false;       ///< request "set_facets" will be answered
+  std::vector<std::string> changing = {};  ///< interfaces whose facets may change
 };
 
 /// The hello of a participant; the connection adds session and process.

@@ -7,12 +7,17 @@
 
 #include "common/base/require.hpp"
 #include "protocol/wire/exchange.hpp"
+#include "protocol/wire/facets.hpp"
 #include "protocol/wire/force_kinds.hpp"
 
 namespace gabion {
 
 RequestHandler::Answer RequestHandler::set_start(const InterfaceValues&) {
   throw ProtocolError("the coupler asked for \"set_start\" of a participant that takes none");
+}
+
+RequestHandler::Answer RequestHandler::set_facets(const InterfaceFacets&) {
+  throw ProtocolError("the coupler asked for \"set_facets\" of a participant that takes none");
 }
 
 const std::vector<StateMachine::Rule>& StateMachine::rules() {
@@ -27,6 +32,7 @@ const std::vector<StateMachine::Rule>& StateMachine::rules() {
       {"finish", true, &StateMachine::finish},
       {"set_force_kinds", false, &StateMachine::set_force_kinds},
       {"set_start", false, &StateMachine::set_start},
+      {"set_facets", false, &StateMachine::set_facets},
   };
   return all;
 }
@@ -61,6 +67,10 @@ StateMachine::Answer StateMachine::set_start(Message request) {
   require<ProtocolError>(!order_.has_begun(),
                          "the coupler asked for \"set_start\" after an accepted step");
   return handler_.set_start(read_values(std::move(request), receives_, interfaces_));
+}
+
+StateMachine::Answer StateMachine::set_facets(Message request) {
+  return handler_.set_facets(read_facets(request, interfaces_));
 }
 
 /// Solve from the accepted state, whatever was solved before.

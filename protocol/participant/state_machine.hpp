@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/run/solver.hpp"
+#include "common/run/facets.hpp"
 #include "protocol/participant/step_order.hpp"
 #include "protocol/wire/message.hpp"
 
@@ -20,6 +20,7 @@ class RequestHandler {
   virtual Answer set_force_kinds(const ForceKinds& kinds) = 0;
   /// @param displacements  of the interfaces in the initial state
   virtual Answer set_start(const InterfaceValues& displacements);
+  virtual Answer set_facets(const InterfaceFacets& facets);
   virtual Answer solve_step(const StepRequest& step, InterfaceValues received) = 0;
   virtual Answer accept_step(const StepRequest& step, bool solved) = 0;
   virtual Answer reject_step() = 0;
@@ -65,6 +66,7 @@ class StateMachine {
 
   Answer set_force_kinds(Message request);
   Answer set_start(Message request);
+  Answer set_facets(Message request);
   Answer solve(Message request);
   Answer accept(Message request);
   Answer reject(Message request);

@@ -11,12 +11,18 @@
 
 #include "common/base/require.hpp"
 #include "protocol/wire/exchange.hpp"
+#include "protocol/wire/facets.hpp"
 #include "protocol/wire/force_kinds.hpp"
 
 namespace gabion {
 
 RemoteSolver::RemoteSolver(Switchboard& switchboard, Hello hello)
-    : switchboard_(switchboard), hello_(std::move(hello)), probes_(hello_.probes) {}
+    : switchboard_(switchboard), hello_(std::move(hello)), probes_(hello_.probes) {
+  for (const InterfaceMesh& mesh : hello_.interfaces) {
+    if (std::ranges::find(hello_.changing, mesh.name) == hello_.changing.end()) continue;
+    facets_[mesh.name] = mesh.facets;
+  }
+}
 
 void RemoteSolver::set_force_kinds(const ForceKinds& kinds) {
   call(to_message(kinds), "force_kinds_set");
@@ -26,6 +32,12 @@ void RemoteSolver::set_start(const InterfaceValues& displacements) {
   Message message = new_message("set_start");
   put_values(message, hello_.receives.name, hello_.interfaces, displacements);
   take_probes(call(std::move(message), "start_set"));
+}
+
+void RemoteSolver::set_facets(const InterfaceFacets& facets) {
+  Message message = new_message("set_facets");
+  put_facets(message, hello_.interfaces, facets);
+  call(std::move(message), "facets_set");
 }
 
 StepReport RemoteSolver::solve_step(const StepRequest& request, const InterfaceValues& received,
@@ -97,6 +109,13 @@ AcceptReport RemoteSolver::finish_accept() {
     try {
       const AcceptReport report = read_accept_report(reply, hello_.probe_names.size());
       probes_ = report.probes;
+      for (auto& [name, facets] : read_facets(reply, hello_.interfaces)) {
+        require<ProtocolError>(facets_.contains(name),
+                               "found facets of interface \"{}\", allowed: of those with "
+                               "\"facets_may_change\" in the hello",
+                               name);
+        facets_[name] = facets;
+      }
       return report;
     } catch (const ProtocolError& problem) {
       throw ProtocolError(

@@ -9,6 +9,7 @@
 
 #include "common/base/timer.hpp"
 #include "common/run/asynchronous_solver.hpp"
+#include "common/run/facets.hpp"
 #include "common/run/start.hpp"
 #include "protocol/server/switchboard.hpp"
 #include "protocol/wire/handshake.hpp"
@@ -19,7 +20,11 @@ namespace gabion {
 /// where both solvers shall work at once, use the start_/finish_ pairs.
 ///
 /// All calls throw ProtocolError when the participant is lost; the coupling is over then.
-class RemoteSolver : public AsynchronousSolver, public DisplacedAtStart, public TakesStart {
+class RemoteSolver : public AsynchronousSolver,
+                     public DisplacedAtStart,
+                     public TakesStart,
+                     public ChangesFacets,
+                     public TakesFacets {
  public:
   /// @param switchboard  must outlive this
   RemoteSolver(Switchboard& switchboard, Hello hello);
@@ -35,6 +40,10 @@ class RemoteSolver : public AsynchronousSolver, public DisplacedAtStart, public 
   InterfaceValues start_displacements() const override { return hello_.start; }
   bool takes_start() const override { return hello_.takes_start; }
   void set_start(const InterfaceValues& displacements) override;
+  /// As the participant told in its last answers.
+  InterfaceFacets facets() const override { return facets_; }
+  bool takes_facets() const override { return hello_.takes_facets; }
+  void set_facets(const InterfaceFacets& facets) override;
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,
                         InterfaceValues& sent) override;
   AcceptReport accept_step(const StepRequest& request, bool solved) override;
@@ -80,6 +89,7 @@ class RemoteSolver : public AsynchronousSolver, public DisplacedAtStart, public 
   Switchboard& switchboard_;
   Hello hello_;
   std::vector<double> probes_;
+  InterfaceFacets facets_;                       // of the interfaces that may get others
   mutable std::deque<Outstanding> outstanding_;  // oldest first
   mutable CallTimes last_call_;
   mutable std::map<std::string, CallTimes> times_;

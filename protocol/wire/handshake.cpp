@@ -148,6 +148,9 @@ Message to_message(const Hello& hello) {
     out.fields["interfaces"].push_back({{"name", mesh.name},
                                         {"vertices_per_facet", mesh.vertices_per_facet},
                                         {"force_kind", name(mesh.force_kind)}});
+    if (std::ranges::find(hello.changing, mesh.name) != hello.changing.end()) {
+      out.fields["interfaces"].back()["facets_may_change"] = true;
+    }
     out.add("coordinates:" + mesh.name, {mesh.num_vertices(), mesh.dim}, mesh.coordinates);
     if (const auto start = hello.start.find(mesh.name); start != hello.start.end()) {
       out.add(start_array(mesh), {mesh.num_vertices(), mesh.dim}, start->second);
@@ -158,6 +161,7 @@ Message to_message(const Hello& hello) {
              mesh.vertices_per_facet},
             mesh.facets);
   }
+  if (hello.takes_facets) out.fields["takes_facets"] = true;
   out.add("probes", {static_cast<std::int64_t>(hello.probes.size())}, hello.probes);
   return out;
 }
@@ -218,6 +222,7 @@ Hello read_hello(const Message& message) {
   for (const auto& [key, flag] : {std::pair("keeps_state", &hello.keeps_state),
                                   std::pair("takes_force_kinds", &hello.takes_force_kinds),
                                   std::pair("takes_start", &hello.takes_start),
+                                  std::pair("takes_facets", &hello.takes_facets),
                                   std::pair("takes_next_step", &hello.takes_next_step)}) {
     if (message.fields.contains(key)) *flag = message.boolean(key);
   }
@@ -227,6 +232,14 @@ Hello read_hello(const Message& message) {
   require_names("names of interfaces", names, ".");
   for (const Message& description : descriptions) {
     hello.interfaces.push_back(read_interface(message, description, hello.dimension));
+    if (description.fields.contains("facets_may_change") &&
+        description.boolean("facets_may_change")) {
+      const InterfaceMesh& mesh = hello.interfaces.back();
+      require<ProtocolError>(mesh.vertices_per_facet > 0,
+                             "interface \"{}\": found \"facets_may_change\" without facets",
+                             mesh.name);
+      hello.changing.push_back(mesh.name);
+    }
   }
   if (hello.sends == displacement()) hello.start = read_start(message, hello.interfaces);
   return hello;

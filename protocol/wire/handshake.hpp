@@ -48,13 +48,15 @@ struct Hello {
   std::string convention = sign_convention;
   std::vector<InterfaceMesh> interfaces;
   std::vector<std::string> probe_names;
-  std::vector<double> probes;      ///< values in the initial state
-  InterfaceValues start;           ///< displacements there, of interfaces where any is not zero
-  bool keeps_state = false;        ///< it answers "save" and "load"
-  bool takes_force_kinds = false;  ///< it answers "set_force_kinds"
-  bool takes_start = false;        ///< it answers "set_start"
-  bool takes_next_step = false;    ///< it accepts "solve_step" before it has answered "accept_step"
-  bool sends_heartbeat = true;     ///< false: judged by its process and the answer deadline alone
+  std::vector<double> probes;         ///< values in the initial state
+  InterfaceValues start;              ///< displacements there, of interfaces where any is not zero
+  bool keeps_state = false;           ///< it answers "save" and "load"
+  bool takes_force_kinds = false;     ///< it answers "set_force_kinds"
+  bool takes_start = false;           ///< it answers "set_start"
+  bool takes_facets = false;          ///< it answers "set_facets"
+  std::vector<std::string> changing;  ///< interfaces whose facets may change
+  bool takes_next_step = false;  ///< it accepts "solve_step" before it has answered "accept_step"
+  bool sends_heartbeat = true;   ///< false: judged by its process and the answer deadline alone
   ProcessIdentity process;
 };
 

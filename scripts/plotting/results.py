@@ -4,8 +4,10 @@
 import csv
 import json
 import xml.etree.ElementTree as ElementTree
+from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import takewhile
 from pathlib import Path
 
 import h5py
@@ -146,6 +148,14 @@ class Series:
         require_time("--time", time, float(self.times[0]), float(self.times[-1]))
         return self.nearest(time)
 
+    def of_one_mesh(self) -> "Series":
+        """The frames up to the first with other cells: facets of a structure that breaks leave its surface."""
+        meshes = (self._array(grid.find("Topology/DataItem")) for grid in self._grids)
+        count = sum(1 for _ in takewhile(partial(np.array_equal, next(meshes)), meshes)) + 1
+        first = copy(self)
+        first._grids, first.times = self._grids[:count], self.times[:count]
+        return first
+
     def grid(self, index: int) -> ElementTree.Element:
         """The XML of a frame."""
         return self._grids[index]
@@ -226,9 +236,13 @@ class Results:
 
     @property
     def contacts(self) -> dict[str, Series]:
-        """Name of an interface, rigid wall or boulder -> its frames, with the pressure of the soil on its facets."""
+        """Name of an interface, rigid wall or boulder -> its frames, with the pressure of the soil on its facets,
+        as long as these are the same."""
         paths = sorted(self.folder.glob(f"mpm/{CONTACT}*.xdmf"))
-        return {path.stem.removeprefix(CONTACT): Series(path) for path in paths}
+        found = {path.stem.removeprefix(CONTACT): Series(path) for path in paths}
+        changing = {item["name"] for file, settings in self.resolved.items() if file.endswith("fem.json")
+                    for item in settings.get("interfaces") or [] if item.get("behind")}
+        return {name: series.of_one_mesh() if name in changing else series for name, series in found.items()}
 
     @property
     def boulders(self) -> list[str]:
