@@ -65,8 +65,21 @@ class SeepageForces {
   /// The next evaluations go on from the last one, over another dt: what seeped and left so far
   /// remains. @pre one rank, neither pools nor rain
   void carry_on();
-  /// Whether other outlets let water pass in the last evaluation than in the last one with K.
+  /// Whether other outlets let water pass in the last evaluation than K knows of.
   bool outlets_changed() const;
+  /// Let S, less the derivatives of the volumes by q in K as far as K knows of them, know of the
+  /// outlets of the last evaluation.
+  /// @param starts, columns  rows of S, columns ascending
+  void update_outlets_in(std::span<const std::int32_t> starts,
+                         std::span<const std::int32_t> columns, std::span<double> S);
+  /// The pressures that push at the skeleton: of groups (F-bar) or of points.
+  struct Pushes {
+    std::vector<std::int32_t> starts, nodes;  ///< nodes of push g: nodes[starts[g] ..]
+    std::vector<double> N;                    ///< share of each node in the pressure
+    std::vector<Vector<dim>> c;               ///< force of the pressure at each node, by it [m^2]
+  };
+  /// Those of a trial state. @pre no suction limit: grains feel the whole pressure
+  Pushes pushes(const Trial& trial) const;
 
   /// Force of the pressure on the skeleton, of the points of this rank, num_nodes x dim [N].
   const std::vector<double>& forces() const { return f_; }

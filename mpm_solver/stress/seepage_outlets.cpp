@@ -132,6 +132,37 @@ bool SeepageForces<dim>::outlets_changed() const {
                              [](const Outlet& outlet) { return outlet.follows != outlet.in_K; });
 }
 
+template <int dim>
+void SeepageForces<dim>::update_outlets_in(std::span<const std::int32_t> starts,
+                                           std::span<const std::int32_t> columns,
+                                           std::span<double> S) {
+  const auto& weights = parts_.weights;
+  std::int32_t active[max_group_nodes<dim>];
+  auto outlet = outlets_.begin();
+  for (const std::int32_t g : groups_) {
+    const CellGroup& group = weights.groups[g];
+    parts_.nodes.list_active(weights.nodes_of(group), active);
+    for (; outlet != outlets_.end() && outlet->entry < group.last; ++outlet) {
+      if (outlet->follows == outlet->in_K) continue;
+      outlet->in_K = outlet->follows;
+      const double drained = outlet->follows ? outlet->drained : -outlet->drained;
+      const std::uint8_t* local = weights.local_of(outlet->entry);
+      for (int i = 0; i < weights.num_nodes(outlet->entry); ++i) {
+        const std::int32_t row = active[local[i]];
+        const auto begin = columns.begin() + starts[row], end = columns.begin() + starts[row + 1];
+        for (int k = 0; k < weights.num_nodes(outlet->entry); ++k) {
+          const auto place = std::lower_bound(begin, end, active[local[k]]);
+          S[place - columns.begin()] += drained * outlet->w[i] * outlet->w[k];
+        }
+      }
+    }
+  }
+}
+
+template void SeepageForces<2>::update_outlets_in(std::span<const std::int32_t>,
+                                                  std::span<const std::int32_t>, std::span<double>);
+template void SeepageForces<3>::update_outlets_in(std::span<const std::int32_t>,
+                                                  std::span<const std::int32_t>, std::span<double>);
 template bool SeepageForces<2>::outlets_changed() const;
 template bool SeepageForces<3>::outlets_changed() const;
 template void SeepageForces<2>::open(const BackgroundGrid<2>&, std::span<const OuterPoint<2>>);

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "mpm_solver/grid/point_inertia.hpp"
+#include "mpm_solver/step/pressure_solver.hpp"
+#include "mpm_solver/stress/seepage_forces.hpp"
+#include "mpm_solver/walls/wall_conditions.hpp"
+
+namespace gabion::mpm {
+
+/// The matrix of the pressures of a fractional step (W23),
+///
+///     A = S + dt^2 N^T M N ,  M_gh = sum_ij c_gi Q_i W_ij Q_j c_hj ,
+///
+/// of the shares N of the nodes in the pressures that push (SeepageForces::Pushes) and the forces c
+/// of those pressures; Q of the walls, W of PointInertia. Its products take M, which is small, and
+/// its preconditioner is what A is on the pattern of S: A couples nodes over three cells, but falls
+/// off within one.
+template <int dim>
+class PressureMatrix {
+ public:
+  struct Parts {
+    const GridNodes<dim>& nodes;
+    const WallConditions<dim>& walls;
+    const PointInertia<dim>& inertia;
+  };
+  /// @param K  its pattern, and S: less the last value of each block
+  PressureMatrix(const Parts& parts, const BlockMatrix<dim + 1>& K,
+                 typename SeepageForces<dim>::Pushes pushes, double dt);
+
+  /// Rows of S [m^3/Pa], to be changed in place.
+  SparseRows& storage() { return S_; }
+  const SparseRows& storage() const { return S_; }
+  /// r = A q, in the nodes that are not held; r = q in those. @pre q = 0 in held nodes
+  void multiply(std::span<const double> q, std::span<const char> held, std::span<double> r) const;
+  /// f += sum of c N q: what a change of the pressures adds to the forces, num_nodes x dim.
+  void add_forces(std::span<const double> q, std::span<double> f) const;
+  /// A on the pattern of S; rows and columns of held nodes are those of the unit matrix.
+  /// @param lump  add the sizes of what is left out to the diagonal: such a matrix is always
+  ///              positive definite
+  SparseRows near(std::span<const char> held, bool lump) const;
+
+ private:
+  void find_responses(const Parts& parts);
+  std::span<const std::int32_t> nodes_of(std::size_t g) const {
+    return std::span(pushes_.nodes)
+        .subspan(pushes_.starts[g], pushes_.starts[g + 1] - pushes_.starts[g]);
+  }
+
+  typename SeepageForces<dim>::Pushes pushes_;
+  SparseRows S_;
+  SparseRows M_;  // times dt^2
+};
+
+}  // namespace gabion::mpm
