@@ -57,15 +57,15 @@ template <int dim>
 void FractionalStep<dim>::set_matrix() {
   const bool known = matrix_ && matrix_dt_ == dt_;
   if (known) {
-    matrix_->storage().values = closed_;
+    matrix_->storage() = closed_;
   } else {
     if (K_.pattern_id() == 0) make_pattern();
     evaluate(true);
-    matrix_.emplace(
-        typename PressureMatrix<dim>::Parts{parts_.stress.nodes, parts_.walls, parts_.inertia}, K_,
-        water_->pushes({.du = u_, .q = q_}), dt_);
+    matrix_.emplace(typename PressureMatrix<dim>::Parts{parts_.stress, parts_.walls, parts_.inertia,
+                                                        parts_.water.data.averages},
+                    K_, dt_);
     matrix_dt_ = dt_;
-    closed_ = matrix_->storage().values;
+    closed_ = matrix_->storage();
   }
   if (!parts_.water.surface.empty())
     water_->open(*parts_.stress.context->grid, parts_.water.surface);
@@ -80,8 +80,7 @@ void FractionalStep<dim>::set_matrix() {
 
 template <int dim>
 void FractionalStep<dim>::update_outlets() {
-  SparseRows& S = matrix_->storage();
-  if (water_->outlets_changed()) water_->update_outlets_in(S.starts, S.columns, S.values);
+  matrix_->change(parts_.stress, water_->take_outlet_changes());
 }
 
 template <int dim>

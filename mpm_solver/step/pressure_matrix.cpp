@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace gabion::mpm {
 
 template <int dim>
-PressureMatrix<dim>::PressureMatrix(const Parts& parts, const BlockMatrix<dim + 1>& K,
-                                    typename SeepageForces<dim>::Pushes pushes, double dt)
-    : pushes_(std::move(pushes)) {
+PressureMatrix<dim>::PressureMatrix(const Parts& parts, const BlockMatrix<dim + 1>& K, double dt) {
   constexpr int n = dim + 1;
   S_.starts.assign(K.row_starts().begin(), K.row_starts().end());
   S_.columns.assign(K.columns().begin(), K.columns().end());
@@ -18,8 +17,63 @@ PressureMatrix<dim>::PressureMatrix(const Parts& parts, const BlockMatrix<dim + 
   for (std::size_t s = 0; s < S_.values.size(); ++s) {
     S_.values[s] = -K.values()[s * n * n + dim * n + dim];
   }
+  list_pushes(parts);
   find_responses(parts);
   for (double& value : M_.values) value *= dt * dt;
+}
+
+template <int dim>
+void PressureMatrix<dim>::list_pushes(const Parts& parts) {
+  const auto& weights = parts.stress.weights;
+  pushes_.starts.push_back(0);
+  std::int32_t active[max_group_nodes<dim>];
+  for (const CellGroup& group : weights.groups) {
+    const auto& water = parts.stress.bodies[group.body].water;
+    if (!water || !water->drains()) continue;
+    parts.stress.nodes.list_active(weights.nodes_of(group), active);
+    double V_group = 0;
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const double V = weights.volume[e] * parts.stress.points.J[weights.point[e]];
+      if (!parts.averages || e == group.first) {
+        pushes_.nodes.insert(pushes_.nodes.end(), active, active + group.num_nodes);
+        pushes_.N.resize(pushes_.nodes.size(), 0.0);
+        pushes_.c.resize(pushes_.nodes.size(), Vector<dim>::Zero());
+      }
+      const std::size_t first = pushes_.nodes.size() - group.num_nodes;
+      for (int i = 0; i < weights.num_nodes(e); ++i) {
+        const std::size_t k = first + weights.local_of(e)[i];
+        pushes_.N[k] += (parts.averages ? V : 1) * weights.N_of(e)[i];
+        pushes_.c[k] += V * weights.grad_of(e)[i];
+      }
+      V_group += V;
+      if (parts.averages && e + 1 < group.last) continue;
+      for (std::size_t k = first; parts.averages && k < pushes_.N.size(); ++k) {
+        pushes_.N[k] /= V_group;
+      }
+      pushes_.starts.push_back(static_cast<std::int32_t>(pushes_.nodes.size()));
+    }
+  }
+}
+
+template <int dim>
+void PressureMatrix<dim>::change(const StressParts<dim>& parts,
+                                 std::span<const OutletChange> outlets) {
+  const auto& weights = parts.weights;
+  std::int32_t active[max_group_nodes<dim>];
+  for (const auto& [entry, w, drained] : outlets) {
+    const auto next = std::ranges::upper_bound(weights.groups, entry, {}, &CellGroup::first);
+    parts.nodes.list_active(weights.nodes_of(*std::prev(next)), active);
+    const std::uint8_t* local = weights.local_of(entry);
+    for (int i = 0; i < weights.num_nodes(entry); ++i) {
+      const std::int32_t row = active[local[i]];
+      const auto begin = S_.columns.begin() + S_.starts[row];
+      const auto end = S_.columns.begin() + S_.starts[row + 1];
+      for (int k = 0; k < weights.num_nodes(entry); ++k) {
+        const auto place = std::lower_bound(begin, end, active[local[k]]);
+        S_.values[place - S_.columns.begin()] += drained * w[i] * w[k];
+      }
+    }
+  }
 }
 
 // M, row by row: the response of the nodes to a pressure, and what it does to the others.

@@ -15,25 +15,26 @@ namespace gabion::mpm {
 ///
 ///     A = S + dt^2 N^T M N ,  M_gh = sum_ij c_gi Q_i W_ij Q_j c_hj ,
 ///
-/// of the shares N of the nodes in the pressures that push (SeepageForces::Pushes) and the forces c
-/// of those pressures; Q of the walls, W of PointInertia. Its products take M, which is small, and
-/// its preconditioner is what A is on the pattern of S: A couples nodes over three cells, but falls
-/// off within one.
+/// of the shares N of the nodes in the pressures that push at the skeleton, of groups (F-bar) or of
+/// points, and the forces c of those pressures by them [m^2], at the start of the step; Q of the
+/// walls, W of PointInertia. Its products take M, which is small, and its preconditioner is what A
+/// is on the pattern of S: A couples nodes over three cells, but falls off within one.
 template <int dim>
 class PressureMatrix {
  public:
   struct Parts {
-    const GridNodes<dim>& nodes;
+    const StressParts<dim>& stress;
     const WallConditions<dim>& walls;
     const PointInertia<dim>& inertia;
+    bool averages;  ///< groups push
   };
   /// @param K  its pattern, and S: less the last value of each block
-  PressureMatrix(const Parts& parts, const BlockMatrix<dim + 1>& K,
-                 typename SeepageForces<dim>::Pushes pushes, double dt);
+  PressureMatrix(const Parts& parts, const BlockMatrix<dim + 1>& K, double dt);
 
-  /// Rows of S [m^3/Pa], to be changed in place.
-  SparseRows& storage() { return S_; }
-  const SparseRows& storage() const { return S_; }
+  /// Values of S [m^3/Pa], to be changed in place.
+  std::vector<double>& storage() { return S_.values; }
+  /// S with outlets that let water pass now, or no more.
+  void change(const StressParts<dim>& parts, std::span<const OutletChange> outlets);
   /// r = A q, in the nodes that are not held; r = q in those. @pre q = 0 in held nodes
   void multiply(std::span<const double> q, std::span<const char> held, std::span<double> r) const;
   /// f += sum of c N q: what a change of the pressures adds to the forces, num_nodes x dim.
@@ -45,12 +46,14 @@ class PressureMatrix {
 
  private:
   void find_responses(const Parts& parts);
-  std::span<const std::int32_t> nodes_of(std::size_t g) const {
-    return std::span(pushes_.nodes)
-        .subspan(pushes_.starts[g], pushes_.starts[g + 1] - pushes_.starts[g]);
-  }
+  struct Pushes {
+    std::vector<std::int32_t> starts, nodes;  // nodes of push g: nodes[starts[g] ..]
+    std::vector<double> N;
+    std::vector<Vector<dim>> c;
+  };
+  void list_pushes(const Parts& parts);
 
-  typename SeepageForces<dim>::Pushes pushes_;
+  Pushes pushes_;
   SparseRows S_;
   SparseRows M_;  // times dt^2
 };

@@ -2,7 +2,6 @@
 // What points do at the pressure of their water, and what they get of a solution.
 #include <cmath>
 
-#include "common/base/require.hpp"
 #include "mpm_solver/points/retention.hpp"
 #include "mpm_solver/stress/seepage_group.hpp"
 
@@ -100,43 +99,6 @@ void SeepageForces<dim>::store(MaterialPoints<dim>& points) const {
   }
 }
 
-template <int dim>
-typename SeepageForces<dim>::Pushes SeepageForces<dim>::pushes(const Trial& trial) const {
-  const auto& weights = parts_.weights;
-  Pushes found;
-  found.starts.push_back(0);
-  const auto close = [&found] {
-    found.starts.push_back(static_cast<std::int32_t>(found.nodes.size()));
-  };
-  Group work;
-  RefusedPoint worst;
-  for (const std::int32_t g : groups_) {
-    const CellGroup& group = weights.groups[g];
-    gather(group, trial, work);
-    require(sum_up(group, work, worst), "mpm_solver: pores of a trial state are closed");
-    for (const Work& point : work.points) {
-      if (step_.averages) break;
-      const std::uint8_t* local = weights.local_of(point.entry);
-      for (int i = 0; i < weights.num_nodes(point.entry); ++i) {
-        found.nodes.push_back(work.active[local[i]]);
-        found.N.push_back(weights.N_of(point.entry)[i]);
-        found.c.push_back(point.V * point.j * point.g[i]);
-      }
-      close();
-    }
-    if (!step_.averages) continue;
-    for (int k = 0; k < group.num_nodes; ++k) {
-      found.nodes.push_back(work.active[k]);
-      found.N.push_back(work.N[k]);
-      found.c.push_back(work.change[k]);
-    }
-    close();
-  }
-  return found;
-}
-
-template SeepageForces<2>::Pushes SeepageForces<2>::pushes(const Trial&) const;
-template SeepageForces<3>::Pushes SeepageForces<3>::pushes(const Trial&) const;
 template void SeepageForces<2>::bear(const PoreWater&, Work&);
 template void SeepageForces<3>::bear(const PoreWater&, Work&);
 template double SeepageForces<2>::finish();
