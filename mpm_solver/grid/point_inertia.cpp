@@ -113,6 +113,31 @@ void PointInertia<dim>::apply_to(std::span<const std::int32_t> groups,
 }
 
 template <int dim>
+void PointInertia<dim>::add_rows(std::span<const std::int32_t> starts,
+                                 std::span<const std::int32_t> columns,
+                                 std::span<double> values) const {
+  std::int32_t active[max_group_nodes<dim>];
+  for (const CellGroup& group : weights_.groups) {
+    nodes_.list_active(weights_.nodes_of(group), active);
+    const double* rho = rho_of(group);
+    for (std::int32_t e = group.first; e < group.last; ++e) {
+      const int n = weights_.num_nodes(e);
+      const double m = points_.m[weights_.point[e]];
+      const std::uint8_t* local = weights_.local_of(e);
+      for (int i = 0; i < n; ++i) {
+        const std::int32_t row = active[local[i]];
+        const auto begin = columns.begin() + starts[row], end = columns.begin() + starts[row + 1];
+        for (int k = 0; k < n; ++k) {
+          const auto place = std::lower_bound(begin, end, active[local[k]]);
+          values[place - columns.begin()] += rho[i] * rho[k] / m;
+        }
+      }
+      rho += n;
+    }
+  }
+}
+
+template <int dim>
 double PointInertia<dim>::largest_rate(std::span<const double> row_sums) const {
   double largest = 0;
   std::int32_t active[max_group_nodes<dim>];

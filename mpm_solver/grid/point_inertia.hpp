@@ -36,6 +36,11 @@ class PointInertia {
   void apply_to(std::span<const std::int32_t> groups, std::span<const double> impulse,
                 std::span<double> dv) const;
 
+  /// Add W to the values of a matrix by rows that has a place for each pair of nodes of a group,
+  /// columns ascending. @pre one rank
+  void add_rows(std::span<const std::int32_t> starts, std::span<const std::int32_t> columns,
+                std::span<double> values) const;
+
   /// Bound of the largest eigenvalue of W K [1/s^2], from the row sums of |K|: a norm of W K.
   /// @param row_sums  num_nodes [N/m]. @note Collective.
   double largest_rate(std::span<const double> row_sums) const;

@@ -16,9 +16,11 @@ namespace {
 // soil.
 constexpr double left_over = 1e-8, round_off = 1e-14;
 
-// Tolerance of the linear solver: the derivative is that of the start of the step, so an iteration
-// gains little beyond it.
-constexpr double linear_tolerance = 1e-5;
+// Residual that a correction leaves of the one before it: evaluations cost as much as few products.
+constexpr double linear_tolerance = 1e-2;
+
+// Iterations that outlets may add to twice those after a set-up until it pays to set up anew.
+constexpr int few_iterations = 5;
 
 constexpr int most_iterations = 40;
 
@@ -32,8 +34,6 @@ void FractionalStep<dim>::begin(double dt) {
   data.inertia_slope = 1 / (dt * dt);
   data.by_inertia = true;
   water_.emplace(parts_.stress, data);
-  if (!parts_.water.surface.empty())
-    water_->open(*parts_.stress.context->grid, parts_.water.surface);
   q_ = water_->start_heads();
   held_.clear();
   for (const char wet : water_->wet()) held_.push_back(wet ? 0 : 1);
@@ -48,10 +48,40 @@ void FractionalStep<dim>::begin(double dt) {
   water_->find_start_forces();
   f_start_ = water_->forces();
   u_.assign(f_start_.size(), 0.0);
-  if (K_.pattern_id() == 0) make_pattern();
-  evaluate(true);
-  assemble();
+  set_matrix();
   f_old_ = water_->forces();
+}
+
+// The matrix of the accepted state, and forces and volumes there. Solutions with the same substeps
+// have the same matrix, and the same solver unless one of them set it up once more.
+template <int dim>
+void FractionalStep<dim>::set_matrix() {
+  const bool known = matrix_ && matrix_dt_ == dt_;
+  if (known) {
+    matrix_->storage() = closed_;
+  } else {
+    if (K_.pattern_id() == 0) make_pattern();
+    evaluate(true);
+    matrix_.emplace(typename PressureMatrix<dim>::Parts{parts_.stress, parts_.walls, parts_.inertia,
+                                                        parts_.water.data.averages},
+                    K_, dt_);
+    matrix_dt_ = dt_;
+    closed_ = matrix_->storage();
+  }
+  if (!parts_.water.surface.empty())
+    water_->open(*parts_.stress.context->grid, parts_.water.surface);
+  evaluate(false);
+  update_outlets();
+  least_iterations_ = 0;
+  if (!known || !first_solver_) {
+    set_up();
+    first_solver_ = true;
+  }
+}
+
+template <int dim>
+void FractionalStep<dim>::update_outlets() {
+  matrix_->change(parts_.stress, water_->take_outlet_changes());
 }
 
 template <int dim>
@@ -78,66 +108,32 @@ void FractionalStep<dim>::evaluate(bool with_K) {
       "inadmissible");
 }
 
-// Take S and B from K, and set up the solver.
 template <int dim>
-void FractionalStep<dim>::assemble() {
-  constexpr int n = dim + 1;
-  const std::size_t count = K_.columns().size();
-  S_.resize(count);
-  B_.resize(count);
-  const double* block = K_.values().data();
-  for (std::size_t s = 0; s < count; ++s, block += n * n) {
-    S_[s] = -block[dim * n + dim];
-    for (int d = 0; d < dim; ++d) B_[s][d] = -block[dim * n + d];
-  }
-  SparseRows near;
-  near.starts.assign(K_.row_starts().begin(), K_.row_starts().end());
-  near.columns.assign(K_.columns().begin(), K_.columns().end());
-  near.values = S_;
-  add_inertia(near);
-  // Where the soil ends, pressures push it away: constants show how much.
-  std::vector<double> ones(q_.size(), 1.0), of_ones(q_.size());
-  for (std::size_t i = 0; i < ones.size(); ++i) ones[i] = held_[i] != 0 ? 0 : 1;
-  multiply(ones, of_ones);
-  for (std::size_t i = 0; i < ones.size(); ++i) {
-    double& diagonal = near.values[K_.diagonal()[i]];
-    if (held_[i] == 0) diagonal += std::max(0.0, of_ones[i]);
-    for (std::int32_t s = near.starts[i]; s < near.starts[i + 1]; ++s) {
-      if (held_[i] == 0 && held_[near.columns[s]] == 0) continue;
-      near.values[s] = 0;
-    }
-    if (held_[i] != 0) diagonal = 1;
-  }
+void FractionalStep<dim>::set_up(bool lump) {
+  least_iterations_ = 0;
+  first_solver_ = false;
+  lumped_ = lump;
   solver_ = std::make_unique<PressureSolver>(
-      std::move(near), [this](std::span<const double> q, std::span<double> r) { multiply(q, r); });
+      matrix_->near(held_, lump),
+      [this](std::span<const double> q, std::span<double> r) { matrix_->multiply(q, held_, r); });
 }
 
-// dt^2 sum_p V / rho grad N_i . grad N_k.
+// dq of (W23) to a tolerance of the residual. Outlets that changed since the solver was set up cost
+// it iterations, until it is set up once more.
 template <int dim>
-void FractionalStep<dim>::add_inertia(SparseRows& near) const {
-  const auto& weights = parts_.stress.weights;
-  const MaterialPoints<dim>& points = parts_.stress.points;
-  std::array<std::int32_t, max_group_nodes<dim>> active;
-  for (const CellGroup& group : weights.groups) {
-    const auto& water = parts_.stress.bodies[group.body].water;
-    if (!water || !water->drains()) continue;
-    parts_.stress.nodes.list_active(weights.nodes_of(group), active.data());
-    for (std::int32_t e = group.first; e < group.last; ++e) {
-      const std::int32_t p = weights.point[e];
-      const double V = weights.volume[e] * points.J[p];
-      const double share = dt_ * dt_ * V * V / points.m[p];
-      for (int i = 0; i < weights.num_nodes(e); ++i) {
-        const std::int32_t row = active[weights.local_of(e)[i]];
-        const auto begin = near.columns.begin() + near.starts[row];
-        const auto end = near.columns.begin() + near.starts[row + 1];
-        for (int k = 0; k < weights.num_nodes(e); ++k) {
-          const auto place = std::lower_bound(begin, end, active[weights.local_of(e)[k]]);
-          near.values[place - near.columns.begin()] +=
-              share * weights.grad_of(e)[i].dot(weights.grad_of(e)[k]);
-        }
-      }
-    }
+void FractionalStep<dim>::correct(double tolerance, std::vector<double>& dq) {
+  std::optional<int> needed = solver_->solve(r_, dq, tolerance);
+  if (!needed && !lumped_) {
+    set_up(true);
+    needed = solver_->solve(r_, dq, tolerance);
   }
+  if (!needed) {
+    throw ConvergenceError("explicit step: pore pressures: conjugate gradients do not converge",
+                           "pore_pressures");
+  }
+  iterations_ += *needed;
+  if (least_iterations_ == 0) least_iterations_ = *needed;
+  if (*needed > 2 * least_iterations_ + few_iterations) set_up(lumped_);
 }
 
 template <int dim>
@@ -147,34 +143,6 @@ void FractionalStep<dim>::respond(std::span<const double> f, std::vector<double>
   A.resize(f.size());
   parts_.inertia.apply(free, A);
   parts_.walls.project(A);
-}
-
-template <int dim>
-void FractionalStep<dim>::add_gradient(std::span<const double> q, std::span<double> f) const {
-  const auto starts = K_.row_starts(), columns = K_.columns();
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    Eigen::Map<Vector<dim>> of_node(f.data() + i * dim);
-    for (std::int32_t s = starts[i]; s < starts[i + 1]; ++s) of_node += B_[s] * q[columns[s]];
-  }
-}
-
-template <int dim>
-void FractionalStep<dim>::multiply(std::span<const double> q, std::span<double> r) const {
-  const auto starts = K_.row_starts(), columns = K_.columns();
-  std::vector<double> f(q.size() * dim, 0.0), A;
-  add_gradient(q, f);
-  respond(f, A);
-  std::fill(r.begin(), r.end(), 0.0);
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    const Vector<dim> moved = dt_ * dt_ * Eigen::Map<const Vector<dim>>(A.data() + i * dim);
-    for (std::int32_t s = starts[i]; s < starts[i + 1]; ++s) {
-      r[i] += S_[s] * q[columns[s]];
-      r[columns[s]] += B_[s].dot(moved);
-    }
-  }
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    if (held_[i] != 0) r[i] = q[i];
-  }
 }
 
 // Norm of the volume missing at the free nodes [m^3]; r_ is its negative.
@@ -216,13 +184,10 @@ void FractionalStep<dim>::solve(std::span<double> u) {
                       r, k, enough),
           "pore_pressures");
     }
-    if (water_->outlets_changed()) {
-      evaluate(true);
-      assemble();
-    }
-    iterations_ += solver_->solve(r_, dq, linear_tolerance);
+    update_outlets();
+    correct(std::max(linear_tolerance, 0.1 * enough / r), dq);
     for (std::size_t i = 0; i < q_.size(); ++i) q_[i] += held_[i] != 0 ? 0 : dq[i];
-    add_gradient(dq, F_);
+    matrix_->add_forces(dq, F_);
     move(u);
     evaluate(false);
     r = residual();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mpm_solver/grid/point_inertia.hpp"
+#include "mpm_solver/step/pressure_matrix.hpp"
 #include "mpm_solver/step/pressure_solver.hpp"
 #include "mpm_solver/step/seepage_borders.hpp"
 #include "mpm_solver/stress/seepage_forces.hpp"
@@ -70,11 +71,11 @@ class FractionalStep {
 
  private:
   void make_pattern();
-  void assemble();
-  void add_inertia(SparseRows& near) const;
+  void set_matrix();
+  void update_outlets();
+  void set_up(bool lump = false);
+  void correct(double tolerance, std::vector<double>& dq);
   void respond(std::span<const double> f, std::vector<double>& A) const;
-  void multiply(std::span<const double> q, std::span<double> r) const;
-  void add_gradient(std::span<const double> q, std::span<double> f) const;
   double residual();
   void move(std::span<const double> u);
   void evaluate(bool with_K);
@@ -83,15 +84,19 @@ class FractionalStep {
   double dt_ = 0;
   std::optional<SeepageForces<dim>> water_;
   BlockMatrix<dim + 1> K_;
-  std::vector<double> S_;        // of each block of K_
-  std::vector<Vector<dim>> B_;   // of each block of K_
+  std::optional<PressureMatrix<dim>> matrix_;
+  double matrix_dt_ = 0;         // of the substeps that matrix_ is for
+  std::vector<double> closed_;   // its storage() without outlets
   std::vector<char> held_;       // of each node: 1 dry, 2 drained
   std::vector<double> q_;        // of each node [Pa]
   std::vector<double> f_start_;  // force of the pressure at the start of the substep
   std::vector<double> f_old_;    // of q_ at the start of the substep
   std::vector<double> F_, A_, u_, r_;
   std::unique_ptr<PressureSolver> solver_;
-  double work_ = 0;  // of the pressure so far [J]
+  bool first_solver_ = false;  // it was set up at the start of a solution
+  bool lumped_ = false;        // PressureMatrix::near
+  int least_iterations_ = 0;   // of the first solution with solver_; 0: there is none
+  double work_ = 0;            // of the pressure so far [J]
   int iterations_ = 0;
 };
 

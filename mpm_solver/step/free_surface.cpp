@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include "mpm_solver/grid/sparse_list.hpp"
@@ -114,29 +113,40 @@ class Search {
       for (int d = 0, rest = k; d < dim; rest /= count[d], ++d) at[d] += rest % count[d];
       std::int32_t cell = 0;
       for (int d = dim; d-- > 0;) cell = cell * box_.num_cells[d] + at[d];
+      if (first_[cell] < 0) continue;
+      const int mirrors = images ? mirrors_of(at, t, reach) : 0;
       for (std::int32_t q = first_[cell]; q >= 0; q = next_[q]) {
         const Vector<dim> place = box_.lattice_position(seen_.x[q]);
-        for (int image = 0; image < (images ? 1 << dim : 1); ++image) {
-          const auto mirrored = mirror(place, at, t, image);
-          if (mirrored && (*mirrored - t).norm() <= reach) act(q, Vector<dim>(*mirrored - t));
+        for (int image = 0; image < 1 << dim; ++image) {
+          if ((image & ~mirrors) != 0) continue;
+          const Vector<dim> path = mirrored(place, t, image) - t;
+          if (path.norm() <= reach) act(q, path);
         }
       }
     }
   }
 
-  // The image of a place in the walls that are nearest to t across the axes of `image`, a bit each.
-  std::optional<Vector<dim>> mirror(const Vector<dim>& place, const Index& cell,
-                                    const Vector<dim>& t, int image) const {
-    Vector<dim> mirrored = place;
+  // A bit for each axis across which a wall within reach of t mirrors the points of a cell.
+  int mirrors_of(const Index& cell, const Vector<dim>& t, double reach) const {
+    int mirrors = 0;
     for (int d = 0; d < dim; ++d) {
-      if ((image >> d) % 2 == 0) continue;
       const int end = 2 * t[d] > box_.num_cells[d] ? 1 : 0;
+      if (std::abs(t[d] - end * box_.num_cells[d]) > reach) continue;
       Index at = cell;
       at[d] = end == 1 ? box_.num_cells[d] - 1 : 0;
-      if (!is_walled(at, d, end)) return std::nullopt;
-      mirrored[d] = 2.0 * end * box_.num_cells[d] - place[d];
+      if (is_walled(at, d, end)) mirrors |= 1 << d;
     }
-    return mirrored;
+    return mirrors;
+  }
+
+  // The image of a place in the walls that are nearest to t across the axes of `image`, a bit each.
+  Vector<dim> mirrored(const Vector<dim>& place, const Vector<dim>& t, int image) const {
+    Vector<dim> at = place;
+    for (int d = 0; d < dim; ++d) {
+      const int end = 2 * t[d] > box_.num_cells[d] ? 1 : 0;
+      if ((image >> d) % 2 == 1) at[d] = 2.0 * end * box_.num_cells[d] - place[d];
+    }
+    return at;
   }
 
   // Whether a wall holds the facet of a cell at an end of the grid.

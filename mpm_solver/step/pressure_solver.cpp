@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/step/pressure_solver.hpp"
 
-#include <fmt/format.h>
 #include <petscksp.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "common/base/error.hpp"
-#include "common/mechanics/petsc/multigrid.hpp"
 #include "common/mechanics/petsc/petsc_handle.hpp"
 #include "common/mechanics/petsc/petsc_session.hpp"
 
@@ -67,13 +64,15 @@ PressureSolver::PressureSolver(SparseRows near, Product product)
   check_petsc(KSPSetOperators(self.ksp.get(), self.A.get(), self.P.get()), "KSPSetOperators");
   PC pc = nullptr;
   check_petsc(KSPGetPC(self.ksp.get(), &pc), "KSPGetPC");
-  Multigrid::configure(pc);
+  check_petsc(PCSetType(pc, PCICC), "PCSetType");
+  check_petsc(PCFactorSetShiftType(pc, MAT_SHIFT_POSITIVE_DEFINITE), "PCFactorSetShiftType");
   check_petsc(KSPSetUp(self.ksp.get()), "KSPSetUp");
 }
 
 PressureSolver::~PressureSolver() = default;
 
-int PressureSolver::solve(std::span<const double> b, std::span<double> x, double tolerance) {
+std::optional<int> PressureSolver::solve(std::span<const double> b, std::span<double> x,
+                                         double tolerance) {
   Implementation& self = *impl_;
   double* values = nullptr;
   check_petsc(VecGetArrayWrite(self.b.get(), &values), "VecGetArrayWrite");
@@ -86,13 +85,7 @@ int PressureSolver::solve(std::span<const double> b, std::span<double> x, double
   PetscInt iterations = 0;
   check_petsc(KSPGetConvergedReason(self.ksp.get(), &reason), "KSPGetConvergedReason");
   check_petsc(KSPGetIterationNumber(self.ksp.get(), &iterations), "KSPGetIterationNumber");
-  if (reason <= 0) {
-    throw ConvergenceError(
-        fmt::format("explicit step: pore pressures: conjugate gradients ended after {} iterations "
-                    "({})",
-                    iterations, KSPConvergedReasons[reason]),
-        "pore_pressures");
-  }
+  if (reason <= 0) return std::nullopt;
   const double* found = nullptr;
   check_petsc(VecGetArrayRead(self.x.get(), &found), "VecGetArrayRead");
   std::copy_n(found, x.size(), x.begin());

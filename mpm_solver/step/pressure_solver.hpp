@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,7 +16,7 @@ struct SparseRows {
 };
 
 /// Solves A x = b for A that is known by its products alone, by conjugate gradients (PETSc's CG)
-/// with algebraic multigrid (GAMG) of a sparse matrix that is near to A. On one rank.
+/// with the incomplete Cholesky factors (ICC) of a sparse matrix that is near to A. On one rank.
 class PressureSolver {
  public:
   /// y = A x.
@@ -30,9 +31,9 @@ class PressureSolver {
   PressureSolver& operator=(PressureSolver&&) = delete;
 
   /// @param tolerance  of |b - A x|, by |b|
-  /// @returns iterations
-  /// @throws ConvergenceError
-  int solve(std::span<const double> b, std::span<double> x, double tolerance);
+  /// @returns iterations; none where they do not converge, as with a matrix that is not positive
+  ///          definite
+  std::optional<int> solve(std::span<const double> b, std::span<double> x, double tolerance);
 
  private:
   struct Implementation;

@@ -25,6 +25,14 @@ struct SeepageStepData {
   Vector<dim> rain = Vector<dim>::Zero();
 };
 
+/// A place where water passes the surface of the soil in the last evaluation and did not before, or
+/// no more.
+struct OutletChange {
+  std::int32_t entry;
+  const double* w;  ///< of the nodes of the entry
+  double drained;   ///< change of the volume in the step by pressure [m^3/Pa]
+};
+
 /// Pore water of bodies that drain, between the grains of the points and with its pressure on the
 /// nodes. The unknown of a node is q, the pressure above that of water at rest,
 ///
@@ -65,8 +73,8 @@ class SeepageForces {
   /// Let the next evaluations continue from the last one, over another dt: what seeped and left so
   /// far remains. @pre one rank, neither pools nor rain
   void carry_on();
-  /// Whether other outlets let water pass in the last evaluation than in the last one with K.
-  bool outlets_changed() const;
+  /// Outlets that changed since the last call, or since the last evaluation with K.
+  std::vector<OutletChange> take_outlet_changes();
 
   /// Force of the pressure on the skeleton, of the points of this rank, num_nodes x dim [N].
   const std::vector<double>& forces() const { return f_; }
@@ -149,7 +157,6 @@ class SeepageForces {
   void add_forces(const CellGroup& group, Group& work);
   void add_volumes(const CellGroup& group, Group& work);
   void add_outflow(const CellGroup& group, Group& work, bool with_stiffness);
-  double surface_area(const OuterPoint<dim>& at) const;
   bool follows_pressure(const Outlet& outlet, double& volume);
   void add_stiffness(const CellGroup& group, Group& work) const;
   void add_point_stiffness(const CellGroup& group, const Work& point, Group& work) const;

@@ -14,19 +14,19 @@ namespace {
 // cell outside of the surface.
 constexpr double surface_mobility = 50;
 
-}  // namespace
-
 // Area of the surface of a point. Of each column or row of the points' domains, whichever is
 // steeper to the surface, one point is at the surface, so the areas seen along an axis add up to
 // the whole. Points without domains are cubes.
 template <int dim>
-double SeepageForces<dim>::surface_area(const OuterPoint<dim>& at) const {
-  if (parts_.points.half_length.empty()) return at.area;
-  const Vector<dim> sides = 2 * parts_.points.half_length[at.point];
+double surface_area(const MaterialPoints<dim>& points, const OuterPoint<dim>& at) {
+  if (points.half_length.empty()) return at.area;
+  const Vector<dim> sides = 2 * points.half_length[at.point];
   int across = 0;
   at.n.cwiseProduct(sides).cwiseAbs().maxCoeff(&across);
   return sides.prod() / sides[across] / std::abs(at.n[across]);
 }
+
+}  // namespace
 
 template <int dim>
 void SeepageForces<dim>::open(const BackgroundGrid<dim>& grid,
@@ -54,7 +54,8 @@ void SeepageForces<dim>::open(const BackgroundGrid<dim>& grid,
       const double kappa = water.mobility() * water.mobility_ratio(parts_.points.J[p]);
       outlet.drained = surface_mobility * at.area / h * kappa * step_.dt;
       if (outlet.outside == 0) {
-        outlet.rain = std::max(0.0, at.n.dot(-step_.rain)) * surface_area(at) * step_.dt;
+        outlet.rain =
+            std::max(0.0, at.n.dot(-step_.rain)) * surface_area<dim>(parts_.points, at) * step_.dt;
         double p_start = outlet.at_rest;
         const std::int32_t* active = parts_.nodes.of_groups.data() + group.first_node;
         for (int i = 0; i < weights.num_nodes(e); ++i) {
@@ -127,13 +128,19 @@ void SeepageForces<dim>::add_outflow(const CellGroup& group, Group& work, bool w
 }
 
 template <int dim>
-bool SeepageForces<dim>::outlets_changed() const {
-  return std::ranges::any_of(outlets_,
-                             [](const Outlet& outlet) { return outlet.follows != outlet.in_K; });
+std::vector<OutletChange> SeepageForces<dim>::take_outlet_changes() {
+  std::vector<OutletChange> changes;
+  for (Outlet& outlet : outlets_) {
+    if (outlet.follows == outlet.in_K) continue;
+    outlet.in_K = outlet.follows;
+    changes.push_back(
+        {outlet.entry, outlet.w.data(), outlet.follows ? outlet.drained : -outlet.drained});
+  }
+  return changes;
 }
 
-template bool SeepageForces<2>::outlets_changed() const;
-template bool SeepageForces<3>::outlets_changed() const;
+template std::vector<OutletChange> SeepageForces<2>::take_outlet_changes();
+template std::vector<OutletChange> SeepageForces<3>::take_outlet_changes();
 template void SeepageForces<2>::open(const BackgroundGrid<2>&, std::span<const OuterPoint<2>>);
 template void SeepageForces<3>::open(const BackgroundGrid<3>&, std::span<const OuterPoint<3>>);
 template bool SeepageForces<2>::update_outlets();

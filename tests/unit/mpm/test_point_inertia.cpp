@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -80,6 +81,23 @@ void check_inertia(CellType type, Basis basis) {
   const auto a = soil.field(), b = soil.field();
   const auto W_a = apply(a), W_b = apply(b);
   EXPECT_NEAR(dot(a, W_b), dot(b, W_a), 1e-13 * std::abs(dot(a, W_a)));
+
+  // W as rows.
+  const std::int32_t n = soil.nodes.size();
+  std::vector<std::int32_t> starts(1, 0), columns;
+  for (std::int32_t i = 0; i < n; ++i) {
+    for (std::int32_t k = 0; k < n; ++k) columns.push_back(k);
+    starts.push_back((i + 1) * n);
+  }
+  std::vector<double> W(columns.size(), 0.0);
+  inertia.add_rows(starts, columns, W);
+  double largest = 0;
+  for (const double value : W_a) largest = std::max(largest, std::abs(value));
+  for (std::int32_t i = 0; i < n * dim; ++i) {
+    double row = 0;
+    for (std::int32_t k = 0; k < n; ++k) row += W[i / dim * n + k] * a[k * dim + i % dim];
+    EXPECT_NEAR(row, W_a[i], 1e-13 * largest);
+  }
 
   // An impulse gives momentum I and, with that of the start, the energy I . (v + W I / 2).
   auto motion = mpm::NodalMotion<dim>{soil.nodes.v, soil.nodes.v, soil.nodes.v};
