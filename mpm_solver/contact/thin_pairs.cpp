@@ -2,6 +2,7 @@
 #include "mpm_solver/contact/thin_pairs.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "mpm_solver/contact/facet_hash.hpp"
 
@@ -57,18 +58,49 @@ std::vector<std::int32_t> possible_fronts(const Faces<dim>& faces) {
   return fronts;
 }
 
-// Whether a face ends at a place in a corner with another one, which is before it.
+// Finds corners, where a face ends at a place and another one is before it.
 template <int dim>
-bool ends_in_corner(const Faces<dim>& faces, std::int32_t face, const Vector<dim>& place,
-                    std::span<const std::int32_t> others, double tiny) {
-  const Vector<dim>& normal = faces.bounds[face].normal;
-  return std::ranges::any_of(others, [&](std::int32_t u) {
-    const SimplexBounds<dim>& other = faces.bounds[u];
+class Corners {
+ public:
+  // @param limit  thickness of a thin wall [m]
+  Corners(const Faces<dim>& faces, double limit) : faces_(faces), limit_(limit) {}
+
+  // Whether there is one with any of these, which ascend.
+  bool has(std::int32_t face, const Vector<dim>& place, std::span<const std::int32_t> others) {
+    if (!hash_) list_faces();
+    const auto is_before = [&](std::int32_t other) {
+      return before(other, face, place) && std::ranges::binary_search(others, other);
+    };
+    return std::ranges::any_of(hash_->near(place),
+                               [&](std::int32_t k) { return is_before(small_[k]); }) ||
+           std::ranges::any_of(large_, is_before);
+  }
+
+ private:
+  // Large faces would be in many of the hash's small cubes.
+  void list_faces() {
+    std::vector<Simplex<dim>> simplices;
+    for (std::int32_t s = 0; s < std::ssize(faces_.simplices); ++s) {
+      const bool large = !(faces_.bounds[s].radius <= limit_);
+      (large ? large_ : small_).push_back(s);
+      if (!large) simplices.push_back(faces_.simplices[s]);
+    }
+    hash_.emplace(simplices, faces_.vertices, limit_ / 16);
+  }
+  bool before(std::int32_t u, std::int32_t face, const Vector<dim>& place) const {
+    const double tiny = same_place * limit_;
+    const Vector<dim>& normal = faces_.bounds[face].normal;
+    const SimplexBounds<dim>& other = faces_.bounds[u];
     if (other.normal.dot(normal) > least_bend_cosine) return false;
     if ((other.centre - place).dot(normal) <= tiny || other.is_beyond(place, tiny)) return false;
-    return (faces.closest(u, place) - place).norm() <= tiny;
-  });
-}
+    return (faces_.closest(u, place) - place).norm() <= tiny;
+  }
+
+  const Faces<dim>& faces_;
+  double limit_;
+  std::vector<std::int32_t> small_, large_;
+  std::optional<FacetHash<dim>> hash_;  // of the small ones, made when it is first asked
+};
 
 }  // namespace
 
@@ -106,6 +138,7 @@ std::vector<FacePair> thin_pairs(const Faces<dim>& faces, double cell_size) {
   std::vector<Vector<dim>> places;
   for (const std::int32_t s : fronts) places.push_back(faces.bounds[s].centre);
   const FacetHash<dim> hash(faces.simplices, faces.vertices, inner_corner_reach * limit, places);
+  Corners<dim> corners(faces, limit);
   std::vector<FacePair> pairs;
   for (const std::int32_t s : fronts) {
     const SimplexBounds<dim>& front = faces.bounds[s];
@@ -120,8 +153,7 @@ std::vector<FacePair> thin_pairs(const Faces<dim>& faces, double cell_size) {
       if (behind && distance < (1 - same_place) * limit) pairs.push_back({s, t, distance});
       if (behind || thickness < inner_corner_cosine * distance) continue;
       if (thickness >= (1 - same_place) * limit) continue;
-      if (ends_in_corner<dim>(faces, t, place, near, same_place * limit))
-        pairs.push_back({s, t, thickness});
+      if (corners.has(t, place, near)) pairs.push_back({s, t, thickness});
     }
   }
   return pairs;
