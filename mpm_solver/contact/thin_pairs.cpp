@@ -2,7 +2,11 @@
 #include "mpm_solver/contact/thin_pairs.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 #include <optional>
+#include <unordered_map>
 
 #include "mpm_solver/contact/facet_hash.hpp"
 
@@ -39,6 +43,41 @@ struct NormalBox {
     const double least = low.cwiseProduct(normal).cwiseMin(high.cwiseProduct(normal)).sum();
     return !(least > 1e-9 - opposite_cosine);
   }
+};
+
+// The simplices of a list by where their normals point to: of many, few look away from a face.
+template <int dim>
+class ByNormal {
+ public:
+  ByNormal(const Faces<dim>& faces, std::span<const std::int32_t> list) {
+    std::map<std::array<int, dim>, Group> groups;
+    for (const std::int32_t s : list) {
+      const Vector<dim>& normal = faces.bounds[s].normal;
+      std::array<int, dim> cube{};
+      for (int d = 0; d < dim && normal.allFinite(); ++d) {
+        cube[d] = static_cast<int>(std::floor(cubes_a_length * normal[d]));
+      }
+      Group& group = groups[cube];
+      group.box.add(normal);
+      group.simplices.push_back(s);
+    }
+    for (auto& [cube, group] : groups) groups_.push_back(std::move(group));
+  }
+  // Call with each that may look away from a face with this normal, in any order.
+  template <class Function>
+  void for_opposite(const Vector<dim>& normal, const Function& call) const {
+    for (const Group& group : groups_) {
+      if (group.box.may_oppose(normal)) std::ranges::for_each(group.simplices, call);
+    }
+  }
+
+ private:
+  static constexpr double cubes_a_length = 4;
+  struct Group {
+    NormalBox<dim> box;
+    std::vector<std::int32_t> simplices;
+  };
+  std::vector<Group> groups_;
 };
 
 // The faces that may have one that looks away from them: on a slope there is none.
@@ -139,22 +178,27 @@ std::vector<FacePair> thin_pairs(const Faces<dim>& faces, double cell_size) {
   for (const std::int32_t s : fronts) places.push_back(faces.bounds[s].centre);
   const FacetHash<dim> hash(faces.simplices, faces.vertices, inner_corner_reach * limit, places);
   Corners<dim> corners(faces, limit);
+  std::unordered_map<const std::int32_t*, ByNormal<dim>> lists;  // by the first entry of `near`
   std::vector<FacePair> pairs;
   for (const std::int32_t s : fronts) {
     const SimplexBounds<dim>& front = faces.bounds[s];
     const auto near = hash.near(front.centre);
-    for (const std::int32_t t : near) {
+    const auto known = std::ssize(pairs);
+    const auto look_at = [&](std::int32_t t) {
       const SimplexBounds<dim>& back = faces.bounds[t];
-      if (front.normal.dot(back.normal) > -opposite_cosine) continue;
-      if (back.is_beyond(front.centre, inner_corner_reach * limit)) continue;
+      if (front.normal.dot(back.normal) > -opposite_cosine) return;
+      if (back.is_beyond(front.centre, inner_corner_reach * limit)) return;
       const Vector<dim> place = faces.closest(t, front.centre), through = front.centre - place;
       const double distance = through.norm(), thickness = through.dot(front.normal);
       const bool behind = thickness >= opposite_cosine * distance;
       if (behind && distance < (1 - same_place) * limit) pairs.push_back({s, t, distance});
-      if (behind || thickness < inner_corner_cosine * distance) continue;
-      if (thickness >= (1 - same_place) * limit) continue;
+      if (behind || thickness < inner_corner_cosine * distance) return;
+      if (thickness >= (1 - same_place) * limit) return;
       if (corners.has(t, place, near)) pairs.push_back({s, t, thickness});
-    }
+    };
+    lists.try_emplace(near.data(), faces, near).first->second.for_opposite(front.normal, look_at);
+    std::sort(pairs.begin() + known, pairs.end(),
+              [](const FacePair& a, const FacePair& b) { return a.back < b.back; });
   }
   return pairs;
 }
