@@ -2,6 +2,11 @@
 #include "mpm_solver/contact/thin_pairs.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <unordered_map>
 
 #include "mpm_solver/contact/facet_hash.hpp"
 
@@ -41,6 +46,41 @@ struct NormalBox {
   }
 };
 
+// The simplices of a list by where their normals point to: of many, few look away from a face.
+template <int dim>
+class ByNormal {
+ public:
+  ByNormal(const Faces<dim>& faces, std::span<const std::int32_t> list) {
+    std::map<std::array<int, dim>, Group> groups;
+    for (const std::int32_t s : list) {
+      const Vector<dim>& normal = faces.bounds[s].normal;
+      std::array<int, dim> cube{};
+      for (int d = 0; d < dim && normal.allFinite(); ++d) {
+        cube[d] = static_cast<int>(std::floor(cubes_a_length * normal[d]));
+      }
+      Group& group = groups[cube];
+      group.box.add(normal);
+      group.simplices.push_back(s);
+    }
+    for (auto& [cube, group] : groups) groups_.push_back(std::move(group));
+  }
+  // Call with each that may look away from a face with this normal, in any order.
+  template <class Function>
+  void for_opposite(const Vector<dim>& normal, const Function& call) const {
+    for (const Group& group : groups_) {
+      if (group.box.may_oppose(normal)) std::ranges::for_each(group.simplices, call);
+    }
+  }
+
+ private:
+  static constexpr double cubes_a_length = 4;
+  struct Group {
+    NormalBox<dim> box;
+    std::vector<std::int32_t> simplices;
+  };
+  std::vector<Group> groups_;
+};
+
 // The faces that may have an opposite face; on a slope there are none.
 template <int dim>
 std::vector<std::int32_t> possible_fronts(const Faces<dim>& faces) {
@@ -58,18 +98,49 @@ std::vector<std::int32_t> possible_fronts(const Faces<dim>& faces) {
   return fronts;
 }
 
-// Whether a face ends at a place in a corner with another one, which is before it.
+// Finds corners, where a face ends at a place and another one is before it.
 template <int dim>
-bool ends_in_corner(const Faces<dim>& faces, std::int32_t face, const Vector<dim>& place,
-                    std::span<const std::int32_t> others, double tiny) {
-  const Vector<dim>& normal = faces.bounds[face].normal;
-  return std::ranges::any_of(others, [&](std::int32_t u) {
-    const SimplexBounds<dim>& other = faces.bounds[u];
+class Corners {
+ public:
+  // @param limit  thickness of a thin wall [m]
+  Corners(const Faces<dim>& faces, double limit) : faces_(faces), limit_(limit) {}
+
+  // Whether there is one with any of these, which ascend.
+  bool has(std::int32_t face, const Vector<dim>& place, std::span<const std::int32_t> others) {
+    if (!hash_) list_faces();
+    const auto is_before = [&](std::int32_t other) {
+      return before(other, face, place) && std::ranges::binary_search(others, other);
+    };
+    return std::ranges::any_of(hash_->near(place),
+                               [&](std::int32_t k) { return is_before(small_[k]); }) ||
+           std::ranges::any_of(large_, is_before);
+  }
+
+ private:
+  // Large faces would be in many of the hash's small cubes.
+  void list_faces() {
+    std::vector<Simplex<dim>> simplices;
+    for (std::int32_t s = 0; s < std::ssize(faces_.simplices); ++s) {
+      const bool large = !(faces_.bounds[s].radius <= limit_);
+      (large ? large_ : small_).push_back(s);
+      if (!large) simplices.push_back(faces_.simplices[s]);
+    }
+    hash_.emplace(simplices, faces_.vertices, limit_ / 16);
+  }
+  bool before(std::int32_t u, std::int32_t face, const Vector<dim>& place) const {
+    const double tiny = same_place * limit_;
+    const Vector<dim>& normal = faces_.bounds[face].normal;
+    const SimplexBounds<dim>& other = faces_.bounds[u];
     if (other.normal.dot(normal) > least_bend_cosine) return false;
     if ((other.centre - place).dot(normal) <= tiny || other.is_beyond(place, tiny)) return false;
-    return (faces.closest(u, place) - place).norm() <= tiny;
-  });
-}
+    return (faces_.closest(u, place) - place).norm() <= tiny;
+  }
+
+  const Faces<dim>& faces_;
+  double limit_;
+  std::vector<std::int32_t> small_, large_;
+  std::optional<FacetHash<dim>> hash_;  // of the small ones, made when it is first asked
+};
 
 }  // namespace
 
@@ -107,23 +178,28 @@ std::vector<FacePair> thin_pairs(const Faces<dim>& faces, double cell_size) {
   std::vector<Vector<dim>> places;
   for (const std::int32_t s : fronts) places.push_back(faces.bounds[s].centre);
   const FacetHash<dim> hash(faces.simplices, faces.vertices, inner_corner_reach * limit, places);
+  Corners<dim> corners(faces, limit);
+  std::unordered_map<const std::int32_t*, ByNormal<dim>> lists;  // by the first entry of `near`
   std::vector<FacePair> pairs;
   for (const std::int32_t s : fronts) {
     const SimplexBounds<dim>& front = faces.bounds[s];
     const auto near = hash.near(front.centre);
-    for (const std::int32_t t : near) {
+    const auto known = std::ssize(pairs);
+    const auto look_at = [&](std::int32_t t) {
       const SimplexBounds<dim>& back = faces.bounds[t];
-      if (front.normal.dot(back.normal) > -opposite_cosine) continue;
-      if (back.is_beyond(front.centre, inner_corner_reach * limit)) continue;
+      if (front.normal.dot(back.normal) > -opposite_cosine) return;
+      if (back.is_beyond(front.centre, inner_corner_reach * limit)) return;
       const Vector<dim> place = faces.closest(t, front.centre), through = front.centre - place;
       const double distance = through.norm(), thickness = through.dot(front.normal);
       const bool behind = thickness >= opposite_cosine * distance;
       if (behind && distance < (1 - same_place) * limit) pairs.push_back({s, t, distance});
-      if (behind || thickness < inner_corner_cosine * distance) continue;
-      if (thickness >= (1 - same_place) * limit) continue;
-      if (ends_in_corner<dim>(faces, t, place, near, same_place * limit))
-        pairs.push_back({s, t, thickness});
-    }
+      if (behind || thickness < inner_corner_cosine * distance) return;
+      if (thickness >= (1 - same_place) * limit) return;
+      if (corners.has(t, place, near)) pairs.push_back({s, t, thickness});
+    };
+    lists.try_emplace(near.data(), faces, near).first->second.for_opposite(front.normal, look_at);
+    std::sort(pairs.begin() + known, pairs.end(),
+              [](const FacePair& a, const FacePair& b) { return a.back < b.back; });
   }
   return pairs;
 }

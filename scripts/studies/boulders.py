@@ -11,7 +11,7 @@ from plotting.results import Results, ResultsError
 from studies.outcome import MAX_GAIN, MAX_MOMENTUM, largest_rise, verdict
 from studies.runner import Attempt, Runner, folder_of
 
-SCENE = "rockfall"
+SCENE = "column_collapse"  # all that it has is set anew
 H, DEPTH, FACE = 0.2, 1.6, 9.8  # [m] of a cell, of the soil, x of the barrier
 SOIL_DENSITY, GRAVITY = 1800, 9.81
 END, DT = 0.4, 1e-3  # [s]
@@ -54,6 +54,7 @@ def settings_of(boulder: Boulder) -> list[str]:
     mpm = {
         "grid": {"box": {"low": [0, 0], "high": [10, 8], "cells": [50, 40], "type": "quad4"}},
         "walls": [{"group": "bottom", "condition": "fixed"}],
+        "locking": {"method": "fbar"},
         "time_integration": {"scheme": "newmark" if boulder.implicit else "explicit"},
         "bodies": [{"name": "soil", "points_per_cell": 4,
                     "mesh": {"box": {"low": [0.2, 0], "high": [FACE, DEPTH], "cells": [48, 8], "type": "quad4"}},
