@@ -213,7 +213,7 @@ TEST(YieldingBeams, cantilever_beyond_yield) {
 /// measure the residual. Bent over the length: M - E I kappa of loading stays.
 template <int dim>
 void expect_unloaded() {
-  const TemporaryMesh mesh(chain(L, 8).file());
+  const TemporaryMesh mesh(chain(L, 20).file());
   Json json = cantilever_of_beams(dim, mesh.path(), yielding(dim), L);
   const double M = 1.4 * M_e;
   json["loads"] = {{{"group", "high"},
@@ -221,10 +221,13 @@ void expect_unloaded() {
                     {"moment", dim == 2 ? Json{M} : Json{0, 0, M}},
                     {"table", {{0, 0}, {1, 1}, {2, 0}}}}};
   const auto run = fem_solver<dim>(json);
-  for (int n = 1; n <= 10; ++n) advance(*run, n, 0.25);  // no step is refused, none at rest either
-  const double kappa = kappa_e / std::sqrt(3 - 2 * 1.4) - 1.4 * kappa_e;
+  for (int n = 1; n <= 22; ++n) advance(*run, n, 0.1);  // no step is refused
+  const double ratio = 1 / std::sqrt(3 - 2 * 1.4), kappa = (ratio - 1.4) * kappa_e;
   const double tip = (1 - std::cos(kappa * L)) / kappa;
-  EXPECT_NEAR(probe(*run, "tip.uy"), tip, 0.02 * tip) << dim;
+  // Layers miss the moment as in moment_over_curvature_of_a_rectangle, and dM / dkappa ~ ratio^-3.
+  const int layers = dim == 2 ? 20 : 6;
+  const double missed = 12 * 0.0223 / (layers * layers) * std::pow(ratio, 3) / (ratio - 1.4);
+  EXPECT_NEAR(probe(*run, "tip.uy"), tip, (missed + 0.005) * tip) << dim;
   EXPECT_NEAR(probe(*run, "moment_low_z"), 0, 1e-7 * M) << dim;
 }
 
