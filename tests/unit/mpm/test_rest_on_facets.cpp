@@ -192,6 +192,7 @@ TEST(RestOnFacets, walls_that_nothing_presses_on_are_touched) {
   for (const std::string law : {"linear_elastic", "mohr_coulomb"}) {
     for (const bool wide : {true, false}) {
       for (const Json& table : {at_once, late, back}) {
+        if (!wide && table != at_once) continue;
         const int nx = wide ? 4 : 10, ny = wide ? 10 : 4;
         const double w = 1.0 / nx, h = 1.0 / ny;
         Json sand = elastic_soil(law, E, 0, density);
@@ -211,7 +212,7 @@ TEST(RestOnFacets, walls_that_nothing_presses_on_are_touched) {
                         {"surface", {{"polyline", {{1, 1.2}, {1, -0.2}}}, {"spacing", 0.1}}},
                         {"motion", {{"table", table}}}}}}};
         json["bodies"][0]["initial_stress"] = {{"k0", 0}, {"surface", 1}};
-        const auto solver = make_mpm(json);
+        const auto solver = make_mpm(json, MPI_COMM_SELF);
         run_steps(*solver, 0.2, 5);
         EXPECT_NEAR(probe(*solver, "wall.fx"), E * d, 0.03 * E * d) << law << wide << table;
       }
