@@ -7,6 +7,7 @@
 #include <gabion_version.hpp>
 
 #include "common/base/log.hpp"
+#include "common/run/repeated_failure.hpp"
 
 namespace gabion {
 
@@ -193,6 +194,7 @@ void CouplingLoop::reject(const Attempt& failed) {
     throw ConvergenceError(fmt::format("step {} at time {} s, dt {} s: {} (on_limit is \"stop\")",
                                        request.step, request.time, request.dt, failed.reason));
   }
+  if (failed.at_any_dt) throw ConvergenceError(failed.reason, fails_at_any_dt);
   steps_.cut(failed.reason);
   log::warn("step {} at {} s: dt cut from {} to {} s: {}", request.step, request.time, request.dt,
             steps_.dt(), failed.reason);

@@ -30,7 +30,8 @@ class CouplingLoop {
 
   /// Run to the end. The files of a run that fails are complete up to the last accepted step, and
   /// summary.json says why it ended.
-  /// @throws ConvergenceError  a step needs less than dt_min, or on_limit is "stop"
+  /// @throws ConvergenceError  a step needs less than dt_min or fails at any dt, or on_limit is
+  ///                           "stop"
   /// @throws Interrupted       the keeper has got a signal; after a checkpoint
   void run();
 

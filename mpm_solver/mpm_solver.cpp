@@ -36,7 +36,8 @@ MpmSolver<dim>::MpmSolver(MPI_Comm comm, MpmSettings<dim> settings,
   const auto surfaces = surfaces_of(model_);
   check_start<dim>(model_.comm, surfaces, state_.points, model_.cell_size,
                    bounding_box(model_.grid));
-  for (const auto& text : thin_walls_.at_start(model_.comm, surfaces, state_.points)) {
+  for (const auto& text :
+       thin_walls_.at_start(model_.comm, surfaces, state_.points, model_.settings.body_groups)) {
     log::warn("{}", text);
   }
   for (const auto& text :
@@ -69,7 +70,8 @@ template <int dim>
 AcceptReport MpmSolver<dim>::accept_step(const StepRequest& request, bool solved) {
   AcceptReport report = step_.accept(request, solved);
   for (const auto& text :
-       thin_walls_.after_step(model_.comm, state_.surfaces, request.time + request.dt)) {
+       thin_walls_.after_step(model_.comm, state_.surfaces, request.time + request.dt,
+                              state_.points, model_.settings.body_groups)) {
     log::warn("{}", text);
   }
   report.probes = probes();

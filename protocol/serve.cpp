@@ -3,6 +3,7 @@
 
 #include "common/base/timer.hpp"
 #include "common/run/facets.hpp"
+#include "common/run/repeated_failure.hpp"
 #include "common/run/start.hpp"
 #include "protocol/participant/state_machine.hpp"
 #include "protocol/wire/exchange.hpp"
@@ -44,7 +45,9 @@ class DrivenSolver final : public RequestHandler {
       put_values(reply, sends_.name, interfaces_, std::move(sent));
       return reply;
     } catch (const ConvergenceError& problem) {
-      return new_message("failed", {{"reason", problem.what()}});
+      Message reply = new_message("failed", {{"reason", problem.what()}});
+      if (problem.cause() == fails_at_any_dt) reply.fields["at_any_dt"] = true;
+      return reply;
     }
   }
 

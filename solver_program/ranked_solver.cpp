@@ -27,10 +27,11 @@ Failure failure_of(const std::exception& error) {
   return other;
 }
 
-[[noreturn]] void throw_failure(Failure failure, const std::string& text) {
+[[noreturn]] void throw_failure(Failure failure, const std::string& text,
+                                const std::string& cause) {
   switch (failure) {
     case convergence:
-      throw ConvergenceError(text);
+      throw ConvergenceError(text, cause);
     case config:
       throw ConfigError(text);
     case protocol:
@@ -65,16 +66,18 @@ void RankedSolver::together(const std::function<void()>& work) const {
     return;
   }
   Failure failure = none;
-  std::string text;
+  std::string text, cause;
   try {
     work();
   } catch (const std::exception& error) {
     failure = failure_of(error);
     text = error.what();
+    if (failure == convergence) cause = dynamic_cast<const ConvergenceError&>(error).cause();
   }
   const auto worst = static_cast<Failure>(max_over_ranks(comm_, failure));
   if (worst == none) return;
-  throw_failure(worst, first_text(comm_, failure == worst ? text : ""));
+  if (failure != worst) text = cause = "";
+  throw_failure(worst, first_text(comm_, text), first_text(comm_, cause));
 }
 
 void RankedSolver::step_together(const std::function<void()>& work) {

@@ -10,10 +10,10 @@ namespace gabion {
 /// Cause of a ConvergenceError after which a smaller dt is of no use.
 inline constexpr const char* fails_at_any_dt = "fails_at_any_dt";
 
-/// Notices that a step without inertia fails with any dt for one cause. It compares Newton's texts,
-/// which have the residuals (of many the first and the last ones) and the worst node: they are
-/// equal for another dt only where load and supports are equal, such as where a constant load acts
-/// at once.
+/// Notices that a step without inertia fails in the same way with any dt: Newton's method has the
+/// same residuals [N] with another dt only where load and supports are the same, as where a
+/// constant load acts at once. Of a coupled step only the first iteration counts: later ones depend
+/// on what the coupling has learnt, and it forgets that when dt gets smaller.
 class RepeatedFailure {
  public:
   /// Look at what a try of a step without inertia threw.
@@ -25,7 +25,7 @@ class RepeatedFailure {
 
  private:
   StepRequest last_;
-  std::string text_;  // of its failure
+  std::string kind_;  // of its failure: cause and residuals
 };
 
 }  // namespace gabion

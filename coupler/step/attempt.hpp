@@ -35,6 +35,7 @@ struct Attempt {
   Outcome outcome = Outcome::iterating;
   Skipped skipped = Skipped::nothing;
   std::string reason = {};  ///< why the attempt failed, or a solver could not solve
+  bool at_any_dt = false;   ///< a solver says that a smaller dt is of no use
   int soil_newton = 0;      ///< Newton iterations of the soils, summed over all coupling iterations
   int structure_newton = 0;
 

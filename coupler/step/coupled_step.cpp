@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/log.hpp"
+#include "common/run/repeated_failure.hpp"
 
 namespace gabion {
 
@@ -49,7 +50,10 @@ Attempt CoupledStep::solve(const StepRequest& request) {
   try {
     return iterate(request);
   } catch (const ConvergenceError& error) {
-    return {.request = request, .outcome = Outcome::unsolved, .reason = error.what()};
+    return {.request = request,
+            .outcome = Outcome::unsolved,
+            .reason = error.what(),
+            .at_any_dt = error.cause() == fails_at_any_dt};
   }
 }
 

@@ -164,11 +164,11 @@ void Equilibrium<dim>::begin_step(const StructureMotion& motion_n, std::span<con
                                   std::span<const double> f_start, double dt, bool with_inertia) {
   motion_n_ = &motion_n;
   f_ext_.assign(f_ext.begin(), f_ext.end());
-  for (std::size_t i = 0; i < f_start.size(); ++i) {
-    f_ext_[i] += scheme_.force_memory() * f_start[i];
-  }
+  const double memory = with_inertia ? scheme_.force_memory() : 0;
+  for (std::size_t i = 0; i < f_start.size(); ++i) f_ext_[i] += memory * f_start[i];
   dt_ = dt;
   with_inertia_ = with_inertia;
+  start_force_ = with_inertia || f_start.empty() ? 0 : shared().norm(f_start);
 }
 
 template <int dim>
@@ -261,7 +261,7 @@ Evaluation Equilibrium<dim>::evaluate(std::span<const double> du, std::span<doub
     finish_tangent(dt_, with_inertia_, *K);
   }
   Evaluation result;
-  result.force_scale = std::sqrt(std::max({internal, inertia, external}));
+  result.force_scale = std::max(std::sqrt(std::max({internal, inertia, external})), start_force_);
   result.residual_norm = std::sqrt(residual);
   return result;
 }

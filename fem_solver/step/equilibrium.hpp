@@ -41,7 +41,8 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// Set the step that `evaluate` is about. The motion must outlive its evaluations.
   /// @param f_ext    loads at the end of the step [N]
   /// @param f_start  loads minus internal forces at its start [N]; empty where the scheme has no
-  ///                 force_memory, and in statics
+  ///                 force_memory. In statics the internal forces at its start, with which the
+  ///                 residual is compared, too, since a step may end unloaded; empty: none
   void begin_step(const StructureMotion& motion_n, std::span<const double> f_ext,
                   std::span<const double> f_start, double dt, bool with_inertia);
 
@@ -165,6 +166,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::vector<double> f_ext_;  // with the share of the forces at the start of the step
   double dt_ = 0;
   bool with_inertia_ = false;
+  double start_force_ = 0;  // norm of the forces at the start, in statics [N]
   NodalForces forces_;
   double regularisation_share_ = 0;
   bool support_ = false;

@@ -203,7 +203,8 @@ NewtonReport StructureStep<dim>::solve_balance(const StructureState& state_n,
       .K = K_, .linear = linear_, .is_usable = prepare_matrix(state_n, dt, with_inertia)};
   if (!matrix.is_usable) held_tangent_.reset();
   equilibrium_.set_history(state_n.history);
-  equilibrium_.begin_step(state_n.motion, f_ext, start_forces(state_n, with_inertia), dt,
+  equilibrium_.begin_step(state_n.motion, f_ext,
+                          with_inertia ? start_forces(state_n, true) : state_n.f_int, dt,
                           with_inertia);
   try {
     const NewtonReport report = solve_newton<dim>(equilibrium_, matrix, newton_, du, times_);
@@ -224,7 +225,8 @@ int StructureStep<dim>::approach(const StructureState& state_n, std::span<const 
   prepare_matrix(state_n, dt, with_inertia);
   held_tangent_.reset();
   equilibrium_.set_history(state_n.history);
-  equilibrium_.begin_step(state_n.motion, f_ext, start_forces(state_n, with_inertia), dt,
+  equilibrium_.begin_step(state_n.motion, f_ext,
+                          with_inertia ? start_forces(state_n, true) : state_n.f_int, dt,
                           with_inertia);
   const int steps = take_full_steps(equilibrium_, K_, linear_, du);
   newton_iterations_ += steps;

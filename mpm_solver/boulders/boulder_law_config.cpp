@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "mpm_solver/boulders/impact_damping.hpp"
+
 namespace gabion::mpm {
 
 namespace {
@@ -32,7 +34,10 @@ std::vector<Key> boulder_law_keys() {
                   "twentieth of the radius of their contact sphere: refused, or left out, which "
                   "leaves up to half a point's width around it empty.")
           .or_else("error"),
-      key::number("restitution", "", "Normal speed after an impact on what is hard over before it.")
+      key::number("restitution", "",
+                  fmt::format("Normal speed after an impact on what is hard over before it; on an "
+                              "interface less than {0} acts as {0}.",
+                              least_damped_restitution))
           .in(between(0, 1))
           .or_else(0.4),
       key::number("rolling_resistance", "",

@@ -9,8 +9,8 @@ namespace {
 
 // Offset along the normal of a contact after the step, with which the gap stays what it was.
 // Towards the surface a rigid sphere goes no farther than its radius beyond the place where it was
-// laid. Where the contact opens, the sphere goes back to its point as far as it stays free of
-// contact.
+// laid. Where the contact opens, the sphere goes back as far as it stays free of contact: to its
+// point, or up to the surface if it was laid there.
 // @param laid  offset with which it was laid [m]
 template <int dim>
 double offset_after(const ContactCandidate<dim>& c, const ContactPoint<dim>& contact,
@@ -18,8 +18,9 @@ double offset_after(const ContactCandidate<dim>& c, const ContactPoint<dim>& con
   const Vector<dim>& n = contact.feature.normal;
   const double offset = n.dot(c.offset + contact.motion - c.motion);
   if (c.deforms) return offset + (c.shape * (n + c.H.transpose() * n)).norm() - contact.radius;
-  if (contact.gap < 0) return std::max(offset, std::min(laid.dot(n), 0.0) - contact.radius);
-  return std::max(offset - contact.gap - contact.initial_penetration, 0.0);
+  const double nearest = std::min(laid.dot(n), 0.0);
+  if (contact.gap < 0) return std::max(offset, nearest - contact.radius);
+  return std::max(offset - contact.gap - contact.initial_penetration, nearest);
 }
 
 // The deepest contact of a sphere is applied last: it decides where normals are not at right

@@ -49,11 +49,9 @@ std::vector<RestingPlace<dim>> FacetStart<dim>::places_at_rest(Candidate& c,
     const double R = c.radius(n), area = c.volume / (2 * R);
     const std::int32_t owner = parts_.surface.owner(feature.simplex);
     const double penalty = parts_.laws.law_of(c, owner, 1).penalty;
-    const double square = -n.dot(force) / (area * penalty);
-    if (stressed && !(square > 0)) continue;
     places.push_back({.normal = n,
                       .gap = feature.distance - R,
-                      .square = square,
+                      .square = -n.dot(force) / (area * penalty),
                       .pull = force - n.dot(force) * n,
                       .owner = owner});
   }
@@ -126,7 +124,9 @@ bool FacetStart<dim>::begin(const SoilAtRest<dim>& rest) {
     places.push_back(places_at_rest(c, rest));
     if (places.back().empty()) continue;
     set_off(places.back(), c);
-    if (rest.is_stressed[c.body]) remember_depths(places.back(), c);
+    // Faces that nothing presses on are touched, no more.
+    std::erase_if(places.back(), [](const auto& place) { return !(place.square > 0); });
+    if (!places.back().empty()) remember_depths(places.back(), c);
   }
   if (std::ranges::count(rest.is_stressed, 1) == 0) return false;
   assembly_.add_forces(du, r, nullptr);  // finds the parts of the tangential stiffness

@@ -119,18 +119,23 @@ ThinWalls<dim>::ThinWalls(const std::vector<StartSurface<dim>>& surfaces,
 template <int dim>
 std::vector<std::string> ThinWalls<dim>::at_start(MPI_Comm comm,
                                                   const std::vector<StartSurface<dim>>& surfaces,
-                                                  const MaterialPoints<dim>& points) {
+                                                  const MaterialPoints<dim>& points,
+                                                  const BodyGroups& groups) {
   if (pairs_.empty()) return {};
   const Faces<dim> faces(surfaces);
   SoilBefore<dim> soil(faces, which_, cell_size_);
   for (const Vector<dim>& x : points.x) soil.add(x);
   marks_ = soil.marks();
-  return found(comm, marks_, "");
+  std::vector<double> marks = marks_, by_group = marks_by_group(faces, points, groups);
+  sum_over_ranks(comm, std::span<double>(marks));
+  sum_over_ranks(comm, std::span<double>(by_group));
+  return found(marks, by_group, "");
 }
 
 template <int dim>
 std::vector<std::string> ThinWalls<dim>::after_step(MPI_Comm comm, const Surfaces<dim>& surfaces,
-                                                    double time) {
+                                                    double time, const MaterialPoints<dim>& points,
+                                                    const BodyGroups& groups) {
   if (pairs_.empty()) return {};
   bool any_new = false;
   for (const auto& [surface, places] : places_) {
@@ -144,18 +149,65 @@ std::vector<std::string> ThinWalls<dim>::after_step(MPI_Comm comm, const Surface
       }
     }
   }
-  if (max_over_ranks(comm, any_new ? 1 : 0) == 0) return {};
-  return found(comm, marks_, fmt::format(" at {:.6g} s", time));
+  if (!groups.any() && max_over_ranks(comm, any_new ? 1 : 0) == 0) return {};
+  std::vector<double> marks = marks_, by_group;
+  sum_over_ranks(comm, std::span<double>(marks));
+  const auto on_both_sides = [&](const FacePair& pair) {
+    return marks[pair.front] != 0 && marks[pair.back] != 0;
+  };
+  if (std::ranges::none_of(pairs_, on_both_sides)) return {};
+  if (groups.any()) by_group = marks_by_group(faces_now(surfaces), points, groups);
+  sum_over_ranks(comm, std::span<double>(by_group));
+  return found(marks, by_group, fmt::format(" at {:.6g} s", time));
 }
 
-// Texts of walls with marks of any rank on both sides; each is reported once.
 template <int dim>
-std::vector<std::string> ThinWalls<dim>::found(MPI_Comm comm, std::vector<double> marks,
+Faces<dim> ThinWalls<dim>::faces_now(const Surfaces<dim>& surfaces) const {
+  std::vector<StartSurface<dim>> now;
+  for (std::size_t k = 0; k < settings_.size(); ++k) {
+    now.push_back({*settings_[k], settings_[k]->surface.vertices});
+    const auto x = surfaces.accepted_vertices(k);
+    if (!x.empty()) now.back().vertices.assign(x.begin(), x.end());
+  }
+  return Faces<dim>(now);
+}
+
+// 1 for the simplices of which_ with soil of this rank and of a group before them, one group after
+// the other; empty without groups.
+template <int dim>
+std::vector<double> ThinWalls<dim>::marks_by_group(const Faces<dim>& faces,
+                                                   const MaterialPoints<dim>& points,
+                                                   const BodyGroups& groups) const {
+  std::vector<double> all;
+  for (std::size_t g = 0; g < groups.names.size(); ++g) {
+    SoilBefore<dim> soil(faces, which_, cell_size_);
+    for (std::int32_t b = 0; b < points.num_bodies(); ++b) {
+      if (groups.of_body[b] != static_cast<std::int32_t>(g)) continue;
+      for (std::int32_t p = points.body_starts[b]; p < points.body_starts[b + 1]; ++p) {
+        soil.add(points.x[p]);
+      }
+    }
+    const std::vector<double> marks = soil.marks();
+    all.insert(all.end(), marks.begin(), marks.end());
+  }
+  return all;
+}
+
+// Texts of walls with marks of any rank, and of one group, on both sides, which are not told again.
+template <int dim>
+std::vector<std::string> ThinWalls<dim>::found(std::span<const double> marks,
+                                               std::span<const double> by_group,
                                                const std::string& when) {
-  sum_over_ranks(comm, std::span<double>(marks));
+  const auto share_nodes = [&](const FacePair& pair) {
+    bool shared = by_group.empty();
+    for (std::size_t first = 0; first < by_group.size(); first += marks.size()) {
+      shared = shared || (by_group[first + pair.front] != 0 && by_group[first + pair.back] != 0);
+    }
+    return shared && marks[pair.front] != 0 && marks[pair.back] != 0;
+  };
   std::map<std::pair<std::size_t, std::size_t>, double> thinnest;
   for (const FacePair& pair : pairs_) {
-    if (marks[pair.front] == 0 || marks[pair.back] == 0) continue;
+    if (!share_nodes(pair)) continue;
     const auto ends = std::minmax(surface_[pair.front], surface_[pair.back]);
     const auto entry = thinnest.try_emplace(ends, pair.thickness).first;
     entry->second = std::min(entry->second, pair.thickness);

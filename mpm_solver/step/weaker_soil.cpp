@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/log.hpp"
+#include "common/base/unbalanced.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/step/soil_step.hpp"
 #include "mpm_solver/stress/point_motion.hpp"
@@ -34,7 +35,7 @@ StepReport SoilStep<dim>::solve_weaker(const StepRequest& request,
       text = fmt::format("points would move by {:.3g} m", strength_.displacement() + largest);
     } catch (const ConvergenceError& error) {
       text = fmt::format("strength divided by F = {:.5g}: {}", factor, error.what());
-      if (!strength_.can_fail(settings)) throw ConvergenceError(text, error.cause());
+      if (!strength_.can_fail(settings)) throw_as(text, error);
     }
     strength_.fail(settings, reason, text);
     log::info("strength reduction: no equilibrium with F = {:.5g}: {}", factor, text);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/base/require.hpp"
+#include "common/run/repeated_failure.hpp"
 #include "protocol/wire/exchange.hpp"
 #include "protocol/wire/facets.hpp"
 #include "protocol/wire/force_kinds.hpp"
@@ -78,11 +79,17 @@ void RemoteSolver::call_off_solve() {
   last_call_.busy_seconds += solution.busy_seconds;
 }
 
+ConvergenceError RemoteSolver::failure(const Message& reply) const {
+  return switchboard_.guarded([&] {
+    const bool at_any_dt = reply.fields.contains("at_any_dt") && reply.boolean("at_any_dt");
+    return ConvergenceError(fmt::format("participant \"{}\": {}", name(), reply.text("reason")),
+                            at_any_dt ? fails_at_any_dt : "other");
+  });
+}
+
 StepReport RemoteSolver::finish_solve(InterfaceValues& sent) {
   Message reply = finish({"solved", "failed"});
-  if (reply.type == "failed") {
-    throw ConvergenceError(fmt::format("participant \"{}\": {}", name(), reply.text("reason")));
-  }
+  if (reply.type == "failed") throw failure(reply);
   return switchboard_.guarded([&] {
     try {
       const StepReport report = read_step_report(reply);

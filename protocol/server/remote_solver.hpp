@@ -73,6 +73,7 @@ class RemoteSolver : public AsynchronousSolver,
 
  private:
   Message solve_request(const StepRequest& request, const InterfaceValues& received) const;
+  ConvergenceError failure(const Message& reply) const;
   void start(Message request) const;
   void send(Message request) const;
   Message finish(const std::vector<std::string>& allowed) const;

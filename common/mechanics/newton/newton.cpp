@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/base/error.hpp"
+#include "common/base/unbalanced.hpp"
 #include "common/mechanics/newton/regularisation.hpp"
 #include "common/mechanics/norm.hpp"
 
@@ -117,6 +117,7 @@ class Newton {
   Regularisation regularisation_;
   std::size_t plain_since_ = 0;  // first of the residuals since the last regularised step
   NewtonReport report_;
+  std::vector<double> norms_;  // |r| of each iterate
 };
 
 template <int block_size>
@@ -146,6 +147,7 @@ template <int block_size>
 void Newton<block_size>::accept(const Iterate& next) {
   current_ = next;
   report_.residuals.push_back(next.relative);
+  norms_.push_back(next.norm);
 }
 
 // Quadratic convergence through the last two residuals; infinite where they do not show it.
@@ -368,10 +370,10 @@ void Newton<block_size>::fail(const std::string& reason, const std::string& caus
   std::string worst = report_.residuals.empty() ? "no residual yet" : "worst " + describe_worst(r_);
   const std::string point = problem_.describe_worst_point(du_);
   if (!point.empty()) worst += "; most strained " + point;
-  throw ConvergenceError(
+  throw UnbalancedError(
       fmt::format("Newton, iteration {}: {}; {}; |r|/scale: {}", report_.iterations, reason, worst,
                   series_text(report_.residuals)),
-      cause);
+      cause, norms_);
 }
 
 }  // namespace

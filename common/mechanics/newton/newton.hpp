@@ -86,7 +86,7 @@ struct NewtonReport {
   int matrices = 0;    ///< evaluations of K
   std::int64_t linear_iterations = 0;
   int line_search_cuts = 0;
-  int regularised = 0;                 ///< linear systems solved with regularisation
+  int regularised = 0;            ///< linear systems solved with regularisation
   int supported = 0;              ///< linear systems that had no solution without support
   std::vector<double> residuals;  ///< |r| / force_scale of each iterate
 };
@@ -116,11 +116,11 @@ struct NewtonReport {
 /// @param[in,out] matrix  -dr/du; `is_usable` lets `reuse_matrix` reach from one call to the next
 /// @param[in,out] du      guess, then solution                               num_nodes x block_size
 /// @param[in,out] times   "assembly" (evaluations) and "solve" (linear systems)
-/// @throws ConvergenceError  iteration limit, line search failed, guess inadmissible, linear solver
-///                           failed, or residual not finite; the message names the worst node and
-///                           point and lists |r| / force_scale, `cause()` is "iteration_limit",
-///                           "line_search", "inadmissible_guess" or "linear_solver". `du` is then
-///                           the last iterate.
+/// @throws UnbalancedError  iteration limit, line search failed, guess inadmissible, linear solver
+///                          failed, or residual not finite; the message names the worst node and
+///                          point and lists |r| / force_scale, `cause()` is "iteration_limit",
+///                          "line_search", "inadmissible_guess" or "linear_solver". `du` is then
+///                          the last iterate.
 /// @note Collective.
 /// @see Dembo, Eisenstat, Steihaug (1982) for inexact steps; Matthies, Strang (1979) for the energy
 ///      criterion of the line search

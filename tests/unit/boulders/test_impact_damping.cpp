@@ -2,8 +2,10 @@
 // Impacts on what gives: Hunt and Crossley's force, whose damping follows from the restitution.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "mpm_solver/boulders/boulder_law_config.hpp"
 #include "mpm_solver/boulders/impact_damping.hpp"
 #include "tests/unit/boulders/hard_scene.hpp"
 
@@ -22,6 +24,13 @@ TEST(ImpactDamping, it_is_the_root_of_its_equation) {
   const double left = impact_damping(0.999 - 1e-9), right = impact_damping(0.999 + 1e-9);
   EXPECT_NEAR(left / right, 1, 1e-5);
   EXPECT_EQ(impact_damping(0), impact_damping(0.01));
+}
+
+TEST(ImpactDamping, the_key_says_where_it_ends) {
+  const auto keys = boulder_law_keys();
+  const auto found = std::ranges::find(keys, "restitution", &Key::name);
+  ASSERT_NE(found, keys.end());
+  EXPECT_NE(found->sentence.find("less than 0.01 acts as 0.01"), std::string::npos);
 }
 
 /// A wall at 0 that gives, and may move.

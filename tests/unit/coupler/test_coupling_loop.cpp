@@ -10,6 +10,7 @@
 #include <sstream>
 #include <thread>
 
+#include "common/run/repeated_failure.hpp"
 #include "coupler/coupling_loop.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/solver_server.hpp"
@@ -461,6 +462,23 @@ TEST(CouplingLoop, failure_below_dt_min_ends_the_run_and_keeps_what_was_written)
   EXPECT_EQ(run.summary()["steps"], 5);
   EXPECT_EQ(run.table("steps.csv").size(), 6u);
   EXPECT_NEAR(run.soil.written.back(), 0.05, 1e-14);
+}
+
+TEST(CouplingLoop, a_step_that_fails_at_any_dt_is_not_cut) {
+  for (const bool wire : {false, true}) {
+    CoupledRun run("any_dt");
+    run.soil.on_solve = [](const StepRequest& request) {
+      if (request.time < 0.045) return;
+      throw ConvergenceError("too much at once", request.dt < 0.006 ? fails_at_any_dt : "line");
+    };
+    expect_error<ConvergenceError>([&] { wire ? run.go_behind_the_wire() : run.go(); },
+                                   {"too much at once"});
+    const Json summary = run.summary();
+    test::expect_parts(summary["reason"], {"too much at once"});
+    EXPECT_EQ(summary["cuts"], 1);
+    EXPECT_EQ(summary["steps"], 5);
+    EXPECT_NEAR(run.soil.written.back(), 0.05, 1e-14);
+  }
 }
 
 TEST(CouplingLoop, the_iteration_limit_is_never_a_silent_success) {

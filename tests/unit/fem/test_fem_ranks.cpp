@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "common/base/unbalanced.hpp"
 #include "common/hdf5/hdf5_reader.hpp"
 #include "solver_program/ranked_state.hpp"
 #include "solver_program/ranked_state_file.hpp"
@@ -266,7 +267,7 @@ TEST(FemRanks, failure_leaves_the_accepted_state) {
   InterfaceValues sent;
   auto broken = push(*solver, 1);
   broken["wall"][3] = std::nan("");
-  expect_error<ConvergenceError>(
+  expect_error<UnbalancedError>(
       [&] {
         solver->solve_step({1, 0, 0, 0.01}, broken, sent);
       },

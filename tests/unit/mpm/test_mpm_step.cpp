@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "common/base/unbalanced.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/pushed_soil.hpp"
 
@@ -219,7 +220,7 @@ TEST(MpmStep, a_step_that_fails_may_be_repeated_with_a_smaller_one) {
   const auto solver = mpm_solver<2>(json), careful = mpm_solver<2>(json);
   const auto before = solver->points();
   InterfaceValues sent;
-  expect_error<ConvergenceError>(
+  expect_error<UnbalancedError>(
       [&] {
         solver->solve_step({1, 0, 0, 0.5}, plate_at(0.3), sent);
       },

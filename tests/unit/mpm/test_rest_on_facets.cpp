@@ -182,6 +182,44 @@ TEST(RestOnFacets, surfaces_that_meet_bear_their_soil_and_go_on) {
   EXPECT_EQ(second->probes(), straight->probes());
 }
 
+/// Soil at rest that presses on a wall with nothing (K0 = 0, no lateral strain) touches it, in
+/// cells of any shape: a wall that comes by d bears E d H / B, also where it was still or away
+/// before.
+TEST(RestOnFacets, walls_that_nothing_presses_on_are_touched) {
+  constexpr double d = 1e-3, E = 1e7;
+  const Json at_once = {{0, 0, 0}, {1, -d, 0}}, late = {{0, 0, 0}, {0.4, 0, 0}, {1, -d, 0}},
+             back = {{0, 0, 0}, {0.4, 1e-4, 0}, {1, -d, 0}};
+  for (const std::string law : {"linear_elastic", "mohr_coulomb"}) {
+    for (const bool wide : {true, false}) {
+      for (const Json& table : {at_once, late, back}) {
+        if (!wide && table != at_once) continue;
+        const int nx = wide ? 4 : 10, ny = wide ? 10 : 4;
+        const double w = 1.0 / nx, h = 1.0 / ny;
+        Json sand = elastic_soil(law, E, 0, density);
+        if (law == "mohr_coulomb") {
+          sand["friction_angle"] = 30;
+          sand["cohesion"] = 3e4;
+        }
+        Json json = {{"dimension", 2},
+                     {"grid", box({0, 0}, {1 + 2 * w, 1 + 2 * h}, {nx + 2, ny + 2}, "quad4")},
+                     {"analysis", "quasi_static"},
+                     {"gravity", {0, -g}},
+                     {"walls", {wall("left", "slip"), wall("bottom", "slip")}},
+                     {"bodies", {body("soil", box({0, 0}, {1, 1}, {nx, ny}, "quad4"), 4, sand)}},
+                     {"rigid_walls",
+                      {{{"name", "wall"},
+                        {"mode", "slip"},
+                        {"surface", {{"polyline", {{1, 1.2}, {1, -0.2}}}, {"spacing", 0.1}}},
+                        {"motion", {{"table", table}}}}}}};
+        json["bodies"][0]["initial_stress"] = {{"k0", 0}, {"surface", 1}};
+        const auto solver = make_mpm(json, MPI_COMM_SELF);
+        run_steps(*solver, 0.2, 5);
+        EXPECT_NEAR(probe(*solver, "wall.fx"), E * d, 0.03 * E * d) << law << wide << table;
+      }
+    }
+  }
+}
+
 /// A wall that goes away loses its force step by step, without a jump, and keeps none.
 TEST(RestOnFacets, a_wall_that_goes_away_loses_its_force_smoothly) {
   Json json = in_a_corner("gimp", "slip");
@@ -246,8 +284,8 @@ TEST(RestOnFacets, soil_in_cells_of_any_width_takes_its_weight) {
   }
 }
 
-/// The sphere of soil that yields keeps its radius. It stays on the surfaces that it was laid on all
-/// the same, however far they are from the point, under stress from the start as after a ramp.
+/// The sphere of soil that yields keeps its radius. It stays on the surfaces that it was laid on
+/// all the same, however far they are from the point, under stress from the start as after a ramp.
 TEST(RestOnFacets, soil_that_yields_stays_in_contact_in_cells_of_any_width) {
   for (const LaidSoil& soil : {LaidSoil{}, {4, 16}, {16, 4}, {3, 36}}) {
     for (const std::string basis : {"linear", "gimp", "bspline"}) {

@@ -61,7 +61,7 @@ std::vector<std::string> thin_walls(const Json& json) {
   const auto settings = mpm_settings<dim>(json);
   const auto surfaces = surfaces_of(settings);
   mpm::ThinWalls<dim> walls(surfaces, 0.25);
-  return walls.at_start(comm(), surfaces, solver->points());
+  return walls.at_start(comm(), surfaces, solver->points(), settings.body_groups);
 }
 
 TEST(StartCheck, touching_soil_is_fine) {
@@ -241,6 +241,26 @@ TEST(StartCheck, thin_walls_with_soil_on_both_sides) {
   EXPECT_TRUE(thin_walls<2>(one_side).empty());
 }
 
+/// Bodies of two groups, one left and one right of the plate.
+Json parted(Json json) {
+  json["contact_groups"] = {
+      {"groups", {{{"name", "a"}, {"bodies", {"soil"}}}, {{"name", "b"}, {"bodies", {"other"}}}}},
+      {"pairs", {{{"groups", {"a", "b"}}, {"friction", 0.3}}}}};
+  return json;
+}
+
+/// Soil of two groups has nodes for each side: nothing acts on itself, unless a group has soil on
+/// both sides.
+TEST(StartCheck, thin_walls_between_groups) {
+  Json json = parted(plate_between(0.1, 1.2));
+  EXPECT_TRUE(thin_walls<2>(json).empty());
+  json["bodies"].push_back(json["bodies"][1]);
+  json["bodies"][2]["name"] = "more";
+  json["bodies"][2]["mesh"] = box({0.5, 0.5}, {1, 1}, {4, 4}, "quad4");
+  json["contact_groups"]["groups"][1]["bodies"].push_back("more");
+  EXPECT_EQ(thin_walls<2>(json).size(), 1u);
+}
+
 /// Each face may be a surface of its own.
 TEST(StartCheck, thin_walls_of_two_surfaces) {
   Json json = plate_between(0.1, 1.2);
@@ -265,11 +285,15 @@ TEST(StartCheck, thin_walls_in_space) {
   EXPECT_EQ(thin_walls<3>(json).size(), 1u);
 }
 
-/// Soil that comes to the other side while the run goes on is told once.
+/// Soil that comes to the other side while the run goes on is told once, unless groups part it.
 TEST(StartCheck, thin_walls_that_soil_comes_round) {
-  for (const char* method : {"facets", "boundary_points"}) {
+  for (const std::string method : {"facets", "boundary_points", "groups"}) {
     Json json = plate_between(0.4, 1.5);
-    json["rigid_walls"][0]["method"] = method;
+    if (method == "groups") {
+      json = parted(json);
+    } else {
+      json["rigid_walls"][0]["method"] = method;
+    }
     json["bodies"][1]["mesh"] = box({1.6, 0}, {1.85, 0.5}, {2, 4}, "quad4");
     json["bodies"][0]["velocity"] = {10, 0};
     json["bodies"][1]["velocity"] = {-10, 0};
@@ -283,11 +307,13 @@ TEST(StartCheck, thin_walls_that_soil_comes_round) {
       InterfaceValues sent;
       solver->solve_step(request, {}, sent);
       solver->accept_step(request, true);
-      for (auto& text : walls.after_step(comm(), solver->surfaces(), 0.002 * n)) {
+      for (auto& text : walls.after_step(comm(), solver->surfaces(), 0.002 * n, solver->points(),
+                                         settings.body_groups)) {
         told.push_back(std::move(text));
       }
     }
-    ASSERT_EQ(told.size(), 1u) << method;
+    ASSERT_EQ(told.size(), method == "groups" ? 0u : 1u) << method;
+    if (told.empty()) continue;
     expect_parts(told[0], {"both sides of \"ram\" at 0.0", "0.4 m thick", "1.6 cells"});
   }
 }

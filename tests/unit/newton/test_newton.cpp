@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "common/base/unbalanced.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/newton/spring_chain.hpp"
 
@@ -30,7 +31,7 @@ struct Bench {
   }
   NewtonReport solve() { return solve_newton<2>(chain, matrix, settings, du, times); }
   std::string failure() {
-    return test::error_of<ConvergenceError>([this] { solve(); });
+    return test::error_of<UnbalancedError>([this] { solve(); });
   }
 };
 
@@ -81,7 +82,7 @@ TEST(Newton, inexact_linear_solves_cost_one_iteration_at_most) {
   for (const double load : {3.0, 30.0, 100.0}) {
     SpringChain chain;
     chain.num_springs = 40;
-    chain.load_x = load;
+    chain.load_x = chain.load_y = load;
     Bench direct(chain, "lu"), krylov(chain, "bicgstab");
     const auto exact = direct.solve(), inexact = krylov.solve();
     EXPECT_GE(inexact.iterations, exact.iterations) << load;
@@ -183,6 +184,28 @@ TEST(Newton, line_search_gives_up_with_the_reason) {
   Bench bench(chain);
   bench.settings.max_iterations = 200;
   expect_parts(bench.failure(), {"line search failed: spring ", "is turned inside out"});
+}
+
+/// A load of twice the size fails with twice the residuals: relative ones would be the same.
+TEST(Newton, a_failure_has_the_residuals_of_its_forces) {
+  const auto residuals_of = [](double load) {
+    SpringChain chain;
+    chain.load_x = chain.load_y = load;
+    chain.quadratic = chain.cubic = 0;
+    Bench bench(chain);
+    bench.settings.max_iterations = 0;
+    try {
+      bench.solve();
+    } catch (const UnbalancedError& error) {
+      return error.residuals();
+    }
+    return std::vector<double>();
+  };
+  const auto once = residuals_of(1), twice = residuals_of(2);
+  ASSERT_EQ(once.size(), 1u);
+  ASSERT_EQ(twice.size(), 1u);
+  EXPECT_GT(once[0], 0);
+  EXPECT_DOUBLE_EQ(twice[0], 2 * once[0]);
 }
 
 TEST(Newton, iteration_limit_names_the_worst_node_and_all_residuals) {

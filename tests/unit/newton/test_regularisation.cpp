@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "common/base/unbalanced.hpp"
 #include "common/mechanics/newton/newton.hpp"
 #include "common/mechanics/newton/regularisation.hpp"
 #include "tests/support/expect_error.hpp"
@@ -70,7 +71,7 @@ TEST(LooseNode, defeats_the_line_search_without_a_brace) {
   LooseNode node;
   node.can_regularise = false;
   double u = 1e-3;
-  test::expect_error<ConvergenceError>([&] { solve(node, u); }, {"line search failed"});
+  test::expect_error<UnbalancedError>([&] { solve(node, u); }, {"line search failed"});
 }
 
 TEST(LooseNode, comes_to_rest_with_a_brace) {

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "common/base/interrupt.hpp"
+#include "common/run/repeated_failure.hpp"
 #include "dummy_solver.hpp"
 #include "protocol/serve.hpp"
 #include "raw_participant.hpp"
@@ -352,6 +353,25 @@ TEST_F(Threads, failed_step_is_a_convergence_error_and_the_run_goes_on) {
   soil.reject_step();
   soil.solve_step({1, 0, 0, 0.05}, {}, sent_);
   EXPECT_EQ(soil.accept_step({1, 0, 0, 0.05}, true).probes, std::vector<double>{1.05});
+  server_->finish();
+  EXPECT_EQ(participants_error(), "");
+}
+
+TEST_F(Threads, a_step_that_fails_at_any_dt_says_so) {
+  std::string cause;
+  solver_.on_solve = [&](const StepRequest&) { throw ConvergenceError("too much", cause); };
+  Solver& soil = connect();
+  for (const auto& [thrown, told] :
+       {std::pair("iteration_limit", "other"), {fails_at_any_dt, fails_at_any_dt}}) {
+    cause = thrown;
+    try {
+      soil.solve_step({1, 0, 0, 0.1}, {}, sent_);
+      ADD_FAILURE() << thrown;
+    } catch (const ConvergenceError& error) {
+      EXPECT_EQ(error.cause(), told);
+    }
+    soil.reject_step();
+  }
   server_->finish();
   EXPECT_EQ(participants_error(), "");
 }

@@ -8,6 +8,7 @@
 #include "common/checkpoint/state_file.hpp"
 #include "common/hdf5/hdf5_reader.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "common/run/repeated_failure.hpp"
 #include "protocol/serve.hpp"
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/exchange.hpp"
@@ -27,6 +28,7 @@ class Recorder : public Solver, public TakesStart {
   std::vector<std::string> calls;
   int failing_rank = -1;
   bool fail_mildly = true;
+  std::string cause = "other";                           // of the mild failure
   std::vector<double> part = {1.0 / 3, double(rank())};  // of the state
 
   std::vector<InterfaceMesh> interfaces() const override { return {{"wall", 2, {0, 0}, 0, {}}}; }
@@ -43,7 +45,7 @@ class Recorder : public Solver, public TakesStart {
   StepReport solve_step(const StepRequest& r, const InterfaceValues& received,
                         InterfaceValues& sent) override {
     calls.push_back("solve " + Json{r.step, r.iteration, r.time, r.dt, received}.dump());
-    if (failing_rank == rank() && fail_mildly) throw ConvergenceError("no solution");
+    if (failing_rank == rank() && fail_mildly) throw ConvergenceError("no solution", cause);
     if (failing_rank == rank()) throw Error("disk full");
     sent = received;
     return {.newton_iterations = 7};
@@ -196,6 +198,26 @@ TEST(RankedSolver, convergence_failure_is_shared_and_survived) {
   EXPECT_EQ(types_of(script.answers),
             (std::vector<std::string>{"failed", "rejected", "failed", "rejected", "finished"}));
   EXPECT_EQ(script.answers[0].text("reason"), "no solution");
+  EXPECT_FALSE(script.answers[0].fields.contains("at_any_dt"));
+}
+
+TEST(RankedSolver, the_cause_of_a_failure_is_known_on_all_ranks) {
+  Recorder recorder;
+  recorder.failing_rank = size() - 1;
+  recorder.cause = fails_at_any_dt;
+  RankedSolver solver(comm(), recorder);
+  InterfaceValues sent;
+  try {
+    solver.solve_step(step, values, sent);
+    ADD_FAILURE();
+  } catch (const ConvergenceError& error) {
+    EXPECT_EQ(error.cause(), fails_at_any_dt);
+  }
+  Script script({solve_request(), new_message("reject_step"), new_message("finish")});
+  follow(script, recorder);
+  if (rank() == 0) {
+    EXPECT_TRUE(script.answers[0].boolean("at_any_dt"));
+  }
 }
 
 TEST(RankedSolver, other_failures_end_all_ranks) {
