@@ -12,6 +12,7 @@
 #include "fem_solver/ranks/mesh_ranks.hpp"
 #include "fem_solver/stress/enhanced_strain.hpp"
 #include "fem_solver/stress/failure_numbers.hpp"
+#include "fem_solver/stress/shell_strain.hpp"
 #include "fem_solver/stress/stress_integral.hpp"
 
 namespace gabion::fem {
@@ -63,15 +64,19 @@ class CellBlock {
   template <int nodes, class Law>
   StressIntegral integrate(const Law& law, std::span<const double> u, std::span<double> f_int,
                            BlockMatrix<dim>* K, HistoryStep history) const;
-  template <class Law>
-  StressIntegral integrate_enhanced(const Law& law, std::span<const double> u,
+  /// Call visit(cell), a function of the number of a cell in the block: its EnhancedCell.
+  template <class Law, class Visit>
+  auto visit_enhanced(const Law& law, const Visit& visit) const;
+  template <class CellOf>
+  StressIntegral integrate_enhanced(const CellOf& cell_of, std::span<const double> u,
                                     std::span<double> f_int, BlockMatrix<dim>* K,
                                     HistoryStep history) const;
   template <class Law>
   Symmetric<dim> mean_stress(const Law& law, std::int32_t c, std::span<const double> u,
                              std::span<const double> history) const;
-  template <class Law>
-  Symmetric<dim> mean_enhanced_stress(const Law& law, std::int32_t c, std::span<const double> u,
+  template <class CellOf>
+  Symmetric<dim> mean_enhanced_stress(const CellOf& cell_of, std::size_t c,
+                                      std::span<const double> u,
                                       std::span<const double> history) const;
   template <class Law>
   decltype(auto) law_in(const Law& law, std::size_t c) const;
@@ -84,7 +89,9 @@ class CellBlock {
   std::size_t law_width() const { return history_width_ - (may_fail() ? failure_numbers : 0); }
   void keep_failure(std::size_t c, double share, HistoryStep history) const;
   Matrix<dim> gradient_at(std::int32_t c, int q, std::span<const double> u) const;
-  bool is_enhanced() const { return material_.formulation == Formulation::enhanced; }
+  /// Strains are enhanced, by modes that are part of the history.
+  bool is_enhanced() const { return material_.formulation == Formulation::enhanced || is_shell(); }
+  bool is_shell() const { return material_.formulation == Formulation::solid_shell; }
 
   CellMaterial<dim> material_;
   std::vector<std::int32_t> cells_;  // of the mesh
@@ -95,8 +102,9 @@ class CellBlock {
   std::vector<std::int32_t> cell_nodes_;  // cells x nodes
   std::vector<Vector<dim>> gradients_;    // cells x points x nodes
   std::vector<double> weights_;           // cells x points [m^dim]
-  std::vector<ModeStrains<dim>> modes_;   // cells x points; empty: not enhanced
-  std::vector<CrackBand<dim>> bands_;     // cells; empty: not of concrete
+  std::vector<ModeStrains<dim>> modes_;   // cells x points; empty: not enhanced, or shells
+  ShellCells shells_;
+  std::vector<CrackBand<dim>> bands_;  // cells; empty: not of concrete
 };
 
 }  // namespace gabion::fem
