@@ -10,6 +10,7 @@
 
 #include "common/mechanics/rotation_angle.hpp"
 #include "fem_solver/stress/brick_kinematics.hpp"
+#include "fem_solver/stress/crack_bands.hpp"
 #include "fem_solver/stress/enhanced_cell.hpp"
 #include "fem_solver/stress/point_stiffness.hpp"
 #include "fem_solver/stress/point_update.hpp"
@@ -62,6 +63,26 @@ Matrix<dim> displacement_gradient(const Vector<dim>* dN, const Vector<dim>* u_ce
 
 }  // namespace
 
+template <int dim>
+CellBlock<dim>::CellBlock(const Mesh<dim>& mesh, const CellMaterial<dim>& material,
+                          std::vector<std::int32_t> cells, const MeshRanks& ranks)
+    : material_(material),
+      cells_(std::move(cells)),
+      nodes_per_cell_(mesh.nodes_per_cell()),
+      geometry_(cell_geometry<dim>(mesh, material_, cells_, ranks)),
+      history_per_point_(static_cast<std::size_t>(fem::history_size<dim>(material.law))) {
+  for (const std::int32_t c : cells_) {
+    const auto nodes = mesh.cell(c);
+    cell_nodes_.insert(cell_nodes_.end(), nodes.begin(), nodes.end());
+  }
+  bands_ = crack_bands<dim>(mesh, material_, cells_, ranks);
+  history_width_ = history_per_point_ * static_cast<std::size_t>(geometry_.points_per_cell) +
+                   (is_shell()      ? num_shell_modes
+                    : is_enhanced() ? num_modes<dim>
+                                    : 0) +
+                   (may_fail() ? failure_numbers : 0);
+}
+
 /// The law, or what it is in a cell.
 template <int dim>
 template <class Law>
@@ -103,10 +124,10 @@ StressIntegral CellBlock<dim>::integrate(const Law& law, std::span<const double>
     }
     if (K) std::fill(std::begin(K_cell), std::end(K_cell), 0.0);
     const auto& law_of_cell = law_in(law, static_cast<std::size_t>(c));
-    for (int q = 0; q < points_per_cell_; ++q) {
-      const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
-      const Vector<dim>* dN = gradients_.data() + point * nodes;
-      const double w = share * weights_[point];
+    for (int q = 0; q < geometry_.points_per_cell; ++q) {
+      const std::size_t point = static_cast<std::size_t>(c) * geometry_.points_per_cell + q;
+      const Vector<dim>* dN = geometry_.gradients.data() + point * nodes;
+      const double w = share * geometry_.weights[point];
       const Matrix<dim> H = displacement_gradient<dim, nodes>(dN, u_cell);
       const HistoryStep of_point =
           LawWithHistory<Law>
@@ -135,11 +156,12 @@ auto CellBlock<dim>::visit_enhanced(const Law& law, const Visit& visit) const {
   if constexpr (dim == 3) {
     if (is_shell()) {
       return visit([&](std::size_t c) {
-        const std::size_t point = c * points_per_cell_;
+        const std::size_t point = c * geometry_.points_per_cell;
         using Kinematics = ShellKinematics<small>;
-        return EnhancedCell<Law, Kinematics>(law, shells_.rule(c), shells_.shapes[c],
-                                             gradients_.data() + point * Kinematics::num_nodes,
-                                             weights_.data() + point);
+        return EnhancedCell<Law, Kinematics>(
+            law, geometry_.shells.rule(c), geometry_.shells.shapes[c],
+            geometry_.gradients.data() + point * Kinematics::num_nodes,
+            geometry_.weights.data() + point);
       });
     }
   }
@@ -148,9 +170,9 @@ auto CellBlock<dim>::visit_enhanced(const Law& law, const Visit& visit) const {
     const std::size_t point = c * Kinematics::max_points;
     return EnhancedCell<Law, Kinematics>(
         law, typename Kinematics::Geometry{
-                 .gradients = gradients_.data() + point * Kinematics::num_nodes,
-                 .weights = weights_.data() + point,
-                 .modes = modes_.data() + point});
+                 .gradients = geometry_.gradients.data() + point * Kinematics::num_nodes,
+                 .weights = geometry_.weights.data() + point,
+                 .modes = geometry_.modes.data() + point});
   });
 }
 
@@ -235,10 +257,10 @@ StressIntegral CellBlock<dim>::add_internal(std::span<const double> u, std::span
 
 template <int dim>
 Matrix<dim> CellBlock<dim>::gradient_at(std::int32_t c, int q, std::span<const double> u) const {
-  const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
+  const std::size_t point = static_cast<std::size_t>(c) * geometry_.points_per_cell + q;
   Matrix<dim> H = Matrix<dim>::Zero();
   for (int a = 0; a < nodes_per_cell_; ++a) {
-    H += at<dim>(u, nodes_of(c)[a]) * gradients_[point * nodes_per_cell_ + a].transpose();
+    H += at<dim>(u, nodes_of(c)[a]) * geometry_.gradients[point * nodes_per_cell_ + a].transpose();
   }
   return H;
 }
@@ -252,15 +274,15 @@ Symmetric<dim> CellBlock<dim>::mean_stress(const Law& law, std::int32_t c,
   double volume = 0;
   StressUpdate<dim> update;
   std::vector<double> unused(history.begin(), history.end());
-  for (int q = 0; q < points_per_cell_; ++q) {
-    const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
+  for (int q = 0; q < geometry_.points_per_cell; ++q) {
+    const std::size_t point = static_cast<std::size_t>(c) * geometry_.points_per_cell + q;
     const HistoryStep of_point = HistoryStep{.accepted = history, .trial = unused}.part(
         q * history_per_point_, history_per_point_);
     update_point<dim>(law_in(law, static_cast<std::size_t>(c)), gradient_at(c, q, u), of_point,
                       update, nullptr);
     const bool small_strain = std::same_as<Law, LinearElastic<dim>>;
-    mean += weights_[point] * update.tau / (small_strain ? 1.0 : update.J);
-    volume += weights_[point];
+    mean += geometry_.weights[point] * update.tau / (small_strain ? 1.0 : update.J);
+    volume += geometry_.weights[point];
   }
   return mean / volume;
 }
@@ -280,8 +302,8 @@ Symmetric<dim> CellBlock<dim>::mean_enhanced_stress(const CellOf& cell_of, std::
   }
   Symmetric<dim> mean = Symmetric<dim>::Zero();
   double volume = 0;
-  for (int q = 0; q < points_per_cell_; ++q) {
-    const double w = weights_[c * points_per_cell_ + q];
+  for (int q = 0; q < geometry_.points_per_cell; ++q) {
+    const double w = geometry_.weights[c * geometry_.points_per_cell + q];
     mean += w * cell.kirchhoff_stress(q) / cell.volume_ratio(q);
     volume += w;
   }
@@ -321,8 +343,8 @@ double CellBlock<dim>::largest_rotation(std::span<const double> u) const {
   if (!std::holds_alternative<LinearElastic<dim>>(material_.law)) return largest;
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     Matrix<dim> F = Matrix<dim>::Identity();
-    for (int q = 0; q < points_per_cell_; ++q) {
-      F += gradient_at(static_cast<std::int32_t>(c), q, u) / points_per_cell_;
+    for (int q = 0; q < geometry_.points_per_cell; ++q) {
+      F += gradient_at(static_cast<std::int32_t>(c), q, u) / geometry_.points_per_cell;
     }
     largest = std::max(largest, angle_of<dim>(F));
   }

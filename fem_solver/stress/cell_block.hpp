@@ -10,9 +10,8 @@
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
-#include "fem_solver/stress/enhanced_strain.hpp"
+#include "fem_solver/stress/cell_geometry.hpp"
 #include "fem_solver/stress/failure_numbers.hpp"
-#include "fem_solver/stress/shell_strain.hpp"
 #include "fem_solver/stress/stress_integral.hpp"
 
 namespace gabion::fem {
@@ -55,7 +54,8 @@ class CellBlock {
   }
   std::size_t history_size() const { return history_width_ * cells_.size(); }
   std::span<const double> weights(std::size_t c) const {  ///< of the points of a cell [m^dim]
-    return std::span(weights_).subspan(c * points_per_cell_, points_per_cell_);
+    return std::span(geometry_.weights)
+        .subspan(c * geometry_.points_per_cell, geometry_.points_per_cell);
   }
   bool yields() const { return std::holds_alternative<VonMises<dim>>(material_.law); }
   bool cracks() const { return std::holds_alternative<Concrete<dim>>(material_.law); }
@@ -80,7 +80,6 @@ class CellBlock {
                                       std::span<const double> history) const;
   template <class Law>
   decltype(auto) law_in(const Law& law, std::size_t c) const;
-  void compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ranks);
   std::span<const std::int32_t> nodes_of(std::int32_t c) const {
     return std::span(cell_nodes_)
         .subspan(static_cast<std::size_t>(c) * nodes_per_cell_, nodes_per_cell_);
@@ -96,15 +95,11 @@ class CellBlock {
   CellMaterial<dim> material_;
   std::vector<std::int32_t> cells_;  // of the mesh
   int nodes_per_cell_ = 0;
-  int points_per_cell_ = 0;
+  CellGeometry<dim> geometry_;
   std::size_t history_per_point_ = 0;
   std::size_t history_width_ = 0;
   std::vector<std::int32_t> cell_nodes_;  // cells x nodes
-  std::vector<Vector<dim>> gradients_;    // cells x points x nodes
-  std::vector<double> weights_;           // cells x points [m^dim]
-  std::vector<ModeStrains<dim>> modes_;   // cells x points; empty: not enhanced, or shells
-  ShellCells shells_;
-  std::vector<CrackBand<dim>> bands_;  // cells; empty: not of concrete
+  std::vector<CrackBand<dim>> bands_;     // cells; empty: not of concrete
 };
 
 }  // namespace gabion::fem

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is computed once of the cells of a block: gradients, weights, enhancing modes, shells.
+#include "fem_solver/stress/cell_geometry.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <utility>
+#include <variant>
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
-#include "fem_solver/stress/cell_block.hpp"
-#include "fem_solver/stress/crack_bands.hpp"
 #include "fem_solver/stress/thickness_axes.hpp"
 
 namespace gabion::fem {
@@ -25,44 +24,32 @@ int stiffness_degree(CellType type, Formulation formulation) {
 }  // namespace
 
 template <int dim>
-CellBlock<dim>::CellBlock(const Mesh<dim>& mesh, const CellMaterial<dim>& material,
-                          std::vector<std::int32_t> cells, const MeshRanks& ranks)
-    : material_(material),
-      cells_(std::move(cells)),
-      nodes_per_cell_(mesh.nodes_per_cell()),
-      history_per_point_(static_cast<std::size_t>(fem::history_size<dim>(material.law))) {
-  for (const std::int32_t c : cells_) {
-    const auto nodes = mesh.cell(c);
-    cell_nodes_.insert(cell_nodes_.end(), nodes.begin(), nodes.end());
-  }
+CellGeometry<dim> cell_geometry(const Mesh<dim>& mesh, const CellMaterial<dim>& material,
+                                std::span<const std::int32_t> cells, const MeshRanks& ranks) {
+  CellGeometry<dim> g;
+  const int nodes = mesh.nodes_per_cell();
+  const bool is_shell = material.formulation == Formulation::solid_shell;
   if constexpr (dim == 3) {
-    if (is_shell()) {
-      const int across = yields() ? yielding_points_across : elastic_points_across;
-      for (int axis = 0; axis < 3; ++axis) shells_.rules.emplace_back(axis, across);
-      shells_.axes = thickness_axes(mesh, material_, cells_, ranks);
+    if (is_shell) {
+      const bool yields = std::holds_alternative<VonMises<dim>>(material.law);
+      const int across = yields ? yielding_points_across : elastic_points_across;
+      for (int axis = 0; axis < 3; ++axis) g.shells.rules.emplace_back(axis, across);
+      g.shells.axes = thickness_axes(mesh, material, cells, ranks);
     }
   }
-  compute_geometry(mesh, ranks);
-  bands_ = crack_bands<dim>(mesh, material_, cells_, ranks);
-  history_width_ = history_per_point_ * static_cast<std::size_t>(points_per_cell_) +
-                   (is_shell()      ? num_shell_modes
-                    : is_enhanced() ? num_modes<dim>
-                                    : 0) +
-                   (may_fail() ? failure_numbers : 0);
-}
-
-template <int dim>
-void CellBlock<dim>::compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ranks) {
   auto rule =
-      gauss_rule<dim>(mesh.cell_type, stiffness_degree(mesh.cell_type, material_.formulation));
-  const std::size_t n = static_cast<std::size_t>(nodes_per_cell_);
+      gauss_rule<dim>(mesh.cell_type, stiffness_degree(mesh.cell_type, material.formulation));
+  if constexpr (dim == 3) {
+    if (is_shell) rule = g.shells.rules[0].points;  // of ranks without such cells too
+  }
+  const std::size_t n = static_cast<std::size_t>(nodes);
   AnyShapeValues<dim> shape;
   Vector<dim> x[max_quadratic_nodes];
-  for (std::size_t k = 0; k < cells_.size(); ++k) {
-    const std::int32_t c = cells_[k];
-    for (int a = 0; a < nodes_per_cell_; ++a) x[a] = mesh.nodes[mesh.cell(c)[a]];
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const std::int32_t c = cells[k];
+    for (int a = 0; a < nodes; ++a) x[a] = mesh.nodes[mesh.cell(c)[a]];
     if constexpr (dim == 3) {
-      if (is_shell()) rule = shells_.rule(k).points;
+      if (is_shell) rule = g.shells.rule(k).points;
     }
     for (const auto& q : rule) {
       shape_functions<dim>(mesh.cell_type, q.xi, shape);
@@ -72,25 +59,26 @@ void CellBlock<dim>::compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ra
                            "point near ({:.6g}); allowed: convex cells of positive volume",
                            ranks.cell_of_all(c), jacobian,
                            fmt::join(x[0].data(), x[0].data() + dim, ", "));
-      weights_.push_back(q.weight * jacobian);
-      gradients_.insert(gradients_.end(), shape.dN, shape.dN + nodes_per_cell_);
+      g.weights.push_back(q.weight * jacobian);
+      g.gradients.insert(g.gradients.end(), shape.dN, shape.dN + nodes);
     }
     if constexpr (dim == 3) {
-      if (is_shell()) {
-        shells_.shapes.push_back(shell_shape(shells_.rule(k), shells_.axes[k], {x, n}));
+      if (is_shell) {
+        g.shells.shapes.push_back(shell_shape(g.shells.rule(k), g.shells.axes[k], {x, n}));
         continue;
       }
     }
-    if (!is_enhanced()) continue;
+    if (material.formulation != Formulation::enhanced) continue;
     const auto modes = enhancing_modes<dim>({x, n}, rule);
-    modes_.insert(modes_.end(), modes.begin(), modes.end());
+    g.modes.insert(g.modes.end(), modes.begin(), modes.end());
   }
-  points_per_cell_ = static_cast<int>(rule.size());
+  g.points_per_cell = static_cast<int>(rule.size());
+  return g;
 }
 
-template CellBlock<2>::CellBlock(const Mesh<2>&, const CellMaterial<2>&, std::vector<std::int32_t>,
-                                 const MeshRanks&);
-template CellBlock<3>::CellBlock(const Mesh<3>&, const CellMaterial<3>&, std::vector<std::int32_t>,
-                                 const MeshRanks&);
+template CellGeometry<2> cell_geometry(const Mesh<2>&, const CellMaterial<2>&,
+                                       std::span<const std::int32_t>, const MeshRanks&);
+template CellGeometry<3> cell_geometry(const Mesh<3>&, const CellMaterial<3>&,
+                                       std::span<const std::int32_t>, const MeshRanks&);
 
 }  // namespace gabion::fem

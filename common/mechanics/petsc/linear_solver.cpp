@@ -82,7 +82,8 @@ PetscSolver::Result LinearSolver<block_size>::Implementation::attempt(PetscSolve
   if (!direct && result.iterations <= trusted_iterations && tolerance >= trusted_tolerance) {
     return result;
   }
-  const double allowed = (direct ? direct_tolerance : 10 * tolerance) * b_norm;
+  const double of_direct = std::max(direct_tolerance, settings.tolerance);
+  const double allowed = (direct ? of_direct : 10 * tolerance) * b_norm;
   // The comparison is false for NaN too.
   if (!(matrix.residual_norm() <= allowed)) {
     result.converged = false;
