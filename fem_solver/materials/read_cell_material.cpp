@@ -36,7 +36,7 @@ KeyTable material_table(const std::string& name, const std::string& sentence,
           "as they should with one cell across, and nothing locks. `reduced`: 2 quadrature "
           "points along each axis, of quad8 and hex20: faster, and does not lock in plastic "
           "flow. `solid_shell`: a plate or shell with one hex8 across its thickness bends as it "
-          "should at any slenderness; laws that yield have 6 points across, others 2.")
+          "should, curved and twisted too; laws that yield have 6 points across, others 2.")
           .or_else("full"));
   table.keys.push_back(
       key::choice("thickness", {"shortest", "numbering", "side"},
