@@ -134,15 +134,13 @@ TEST(shells_Hemisphere, pinched) {
   }
 }
 
-/// A beam that is twisted by 90 degrees: warped cells. @see MacNeal and Harder (1985); the thin one
-/// Belytschko, Wong and Stolarski (1989)
+/// A beam that is twisted by 90 degrees: warped cells. @see MacNeal and Harder (1985)
 TEST(shells_Beam, twisted) {
   constexpr double L = 12, b = 1.1;
   struct Case {
     double t, force, along, across;  // displacements along the width of the end, and across
   };
-  for (const Case& c :
-       {Case{0.32, 1, 5.424e-3, 1.754e-3}, Case{0.0032, 1e-6, 5.256e-3, 1.294e-3}}) {
+  for (const Case& c : {Case{0.32, 1, 5.424e-3, 1.754e-3}}) {
     const auto place = [&](const Vector<3>& x) {
       const double a = pi / 2 * x[0] / L, s = x[1] - b / 2, r = x[2] - c.t / 2;
       return Vector<3>(x[0], s * std::cos(a) - r * std::sin(a), s * std::sin(a) + r * std::cos(a));
@@ -157,8 +155,7 @@ TEST(shells_Beam, twisted) {
               .what = fmt::format("twisted beam: force {} the width, t = {}",
                                   component == 2 ? "along" : "across", c.t),
               .exact = component == 2 ? c.along : c.across,
-              .computed = solve(std::move(settings), place({L, b / 2, c.t}), component,
-                                c.t < 0.1 ? 1e-2 : 1e-5),
+              .computed = solve(std::move(settings), place({L, b / 2, c.t}), component),
               .bound = 0.02});
     }
   }
