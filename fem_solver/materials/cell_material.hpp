@@ -26,9 +26,17 @@ concept LawWithHistory = requires {
 
 /// Formulation by which a cell computes stresses from its nodes' displacements.
 enum class Formulation {
-  full,      ///< strain of the displacements, full integration
-  enhanced,  ///< with enhanced assumed strains (quad4, hex8): bends, does not lock
-  reduced    ///< strain of the displacements, 2 points along each axis (quad8, hex20)
+  full,        ///< strain of the displacements, full integration
+  enhanced,    ///< with enhanced assumed strains (quad4, hex8): bends, does not lock
+  reduced,     ///< strain of the displacements, 2 points along each axis (quad8, hex20)
+  solid_shell  ///< a plate or shell of one cell across (hex8), of any slenderness
+};
+
+/// Which axis of a cell lies across a solid shell.
+enum class Thickness {
+  shortest,   ///< the shortest one
+  numbering,  ///< from its first four nodes to the last four
+  side        ///< between the facets of which one is in a group
 };
 
 /// Material of some cells.
@@ -40,7 +48,10 @@ struct CellMaterial {
   double density = 0;  ///< [kg/m^3], in the stress-free state
   CellLaw<dim> law;
   Formulation formulation = Formulation::full;
-  RayleighFactors rayleigh;  ///< K: elastic, before loading
+  Thickness thickness = Thickness::shortest;  ///< of solid shells
+  std::string thickness_side;                 ///< group of facets, with Thickness::side
+  std::string thickness_where;                ///< its place in the config, for errors
+  RayleighFactors rayleigh;                   ///< K: elastic, before loading
   FailureLimits failure;
 };
 

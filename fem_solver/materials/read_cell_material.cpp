@@ -31,12 +31,26 @@ KeyTable material_table(const std::string& name, const std::string& sentence,
                            .or_none());
   table.keys.push_back(
       key::choice(
-          "formulation", {"full", "enhanced", "reduced"},
+          "formulation", {"full", "enhanced", "reduced", "solid_shell"},
           "`enhanced`: enhanced assumed strains, of quad4 and hex8: slender members bend "
           "as they should with one cell across, and nothing locks. `reduced`: 2 quadrature "
           "points along each axis, of quad8 and hex20: faster, and does not lock in plastic "
-          "flow.")
+          "flow. `solid_shell`: a plate or shell with one hex8 across its thickness bends as it "
+          "should, curved and twisted too; laws that yield have 6 points across, others 2.")
           .or_else("full"));
+  table.keys.push_back(
+      key::choice("thickness", {"shortest", "numbering", "side"},
+                  "Which way the thickness of a cell lies. `shortest`: along its shortest axis, "
+                  "of at most half the others. `numbering`: from its first four nodes to the last "
+                  "four, as layers that Gmsh extrudes are numbered. `side`: across the facets of "
+                  "`thickness_side`.")
+          .or_else("shortest")
+          .when("formulation", {"solid_shell"}));
+  table.keys.push_back(key::text("thickness_side",
+                                 "Group of facets on one side of the shell or on both, one or two "
+                                 "facets a cell.")
+                           .when("formulation", {"solid_shell"})
+                           .when("thickness", {"side"}));
   return table;
 }
 
@@ -75,7 +89,7 @@ KeyTable group_material_keys() {
   with_ratio.push_back("beam");
   for (Key& key : table.keys) {
     if (key.name == "poisson_ratio") key = key.when("law", with_ratio);
-    if (key.name == "formulation" || key.name == "rayleigh") {
+    if (key.name == "formulation" || key.name == "rayleigh" || key.name.starts_with("thickness")) {
       key = key.when("law", laws_of_cells);
     }
   }
@@ -93,7 +107,19 @@ namespace {
 
 Formulation formulation_of(const std::string& word) {
   if (word == "enhanced") return Formulation::enhanced;
+  if (word == "solid_shell") return Formulation::solid_shell;
   return word == "reduced" ? Formulation::reduced : Formulation::full;
+}
+
+template <int dim>
+void read_thickness(ConfigReader& in, CellMaterial<dim>& material) {
+  if (material.formulation != Formulation::solid_shell) return;
+  const std::string word = in.choice("thickness");
+  if (word == "numbering") material.thickness = Thickness::numbering;
+  if (word != "side") return;
+  material.thickness = Thickness::side;
+  material.thickness_side = in.text("thickness_side");
+  material.thickness_where = in.where("thickness_side");
 }
 
 }  // namespace
@@ -119,6 +145,7 @@ CellMaterial<dim> read_cell_material(ConfigReader in, bool of_group) {
     material.law = read_von_mises<dim>(in, lambda, mu);
   }
   material.formulation = formulation_of(in.choice("formulation"));
+  read_thickness(in, material);
   material.rayleigh = read_rayleigh(in);
   material.failure = read_failure(in, material.law_name);
   if (material.failure.any() && material.rayleigh.stiffness > 0) {

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fem_solver/stress/cell_block.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
-#include "common/base/require.hpp"
-#include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/rotation_angle.hpp"
+#include "fem_solver/stress/brick_kinematics.hpp"
 #include "fem_solver/stress/crack_bands.hpp"
 #include "fem_solver/stress/enhanced_cell.hpp"
 #include "fem_solver/stress/point_stiffness.hpp"
 #include "fem_solver/stress/point_update.hpp"
+#include "fem_solver/stress/shell_kinematics.hpp"
 
 namespace gabion::fem {
 
@@ -30,13 +28,6 @@ double angle_of(const Matrix<dim>& F) {
     if (skew.squaredNorm() < 2e-2 && F.trace() > 2.9) return 0;
   }
   return rotation_angle<dim>(F);
-}
-
-/// Degree that integrates the stiffness of an undistorted cell exactly; reduced integration has one
-/// point less along each axis.
-int stiffness_degree(CellType type, Formulation formulation) {
-  if (is_simplex(type)) return is_quadratic(type) ? 2 : 1;
-  return is_quadratic(type) && formulation != Formulation::reduced ? 5 : 3;
 }
 
 template <int dim>
@@ -78,42 +69,18 @@ CellBlock<dim>::CellBlock(const Mesh<dim>& mesh, const CellMaterial<dim>& materi
     : material_(material),
       cells_(std::move(cells)),
       nodes_per_cell_(mesh.nodes_per_cell()),
+      geometry_(cell_geometry<dim>(mesh, material_, cells_, ranks)),
       history_per_point_(static_cast<std::size_t>(fem::history_size<dim>(material.law))) {
   for (const std::int32_t c : cells_) {
     const auto nodes = mesh.cell(c);
     cell_nodes_.insert(cell_nodes_.end(), nodes.begin(), nodes.end());
   }
-  compute_geometry(mesh, ranks);
   bands_ = crack_bands<dim>(mesh, material_, cells_, ranks);
-  history_width_ = history_per_point_ * static_cast<std::size_t>(points_per_cell_) +
-                   (is_enhanced() ? num_modes<dim> : 0) + (may_fail() ? failure_numbers : 0);
-}
-
-template <int dim>
-void CellBlock<dim>::compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ranks) {
-  const auto rule =
-      gauss_rule<dim>(mesh.cell_type, stiffness_degree(mesh.cell_type, material_.formulation));
-  points_per_cell_ = static_cast<int>(rule.size());
-  const std::size_t n = static_cast<std::size_t>(nodes_per_cell_);
-  AnyShapeValues<dim> shape;
-  Vector<dim> x[max_quadratic_nodes];
-  for (const std::int32_t c : cells_) {
-    for (int a = 0; a < nodes_per_cell_; ++a) x[a] = mesh.nodes[mesh.cell(c)[a]];
-    for (const auto& q : rule) {
-      shape_functions<dim>(mesh.cell_type, q.xi, shape);
-      const double jacobian = map_gradients<dim>(mesh.cell_type, x, shape);
-      require<ConfigError>(jacobian > 0,
-                           "mesh: cell {} has the Jacobian {:.3g} at a quadrature "
-                           "point near ({:.6g}); allowed: convex cells of positive volume",
-                           ranks.cell_of_all(c), jacobian,
-                           fmt::join(x[0].data(), x[0].data() + dim, ", "));
-      weights_.push_back(q.weight * jacobian);
-      gradients_.insert(gradients_.end(), shape.dN, shape.dN + nodes_per_cell_);
-    }
-    if (!is_enhanced()) continue;
-    const auto modes = enhancing_modes<dim>({x, n}, rule);
-    modes_.insert(modes_.end(), modes.begin(), modes.end());
-  }
+  history_width_ = history_per_point_ * static_cast<std::size_t>(geometry_.points_per_cell) +
+                   (is_shell()      ? num_shell_modes
+                    : is_enhanced() ? num_modes<dim>
+                                    : 0) +
+                   (may_fail() ? failure_numbers : 0);
 }
 
 /// The law, or its form in a cell.
@@ -157,10 +124,10 @@ StressIntegral CellBlock<dim>::integrate(const Law& law, std::span<const double>
     }
     if (K) std::fill(std::begin(K_cell), std::end(K_cell), 0.0);
     const auto& law_of_cell = law_in(law, static_cast<std::size_t>(c));
-    for (int q = 0; q < points_per_cell_; ++q) {
-      const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
-      const Vector<dim>* dN = gradients_.data() + point * nodes;
-      const double w = share * weights_[point];
+    for (int q = 0; q < geometry_.points_per_cell; ++q) {
+      const std::size_t point = static_cast<std::size_t>(c) * geometry_.points_per_cell + q;
+      const Vector<dim>* dN = geometry_.gradients.data() + point * nodes;
+      const double w = share * geometry_.weights[point];
       const Matrix<dim> H = displacement_gradient<dim, nodes>(dN, u_cell);
       const HistoryStep of_point =
           LawWithHistory<Law>
@@ -183,11 +150,38 @@ StressIntegral CellBlock<dim>::integrate(const Law& law, std::span<const double>
 }
 
 template <int dim>
-template <class Law>
-StressIntegral CellBlock<dim>::integrate_enhanced(const Law& law, std::span<const double> u,
+template <class Law, class Visit>
+auto CellBlock<dim>::visit_enhanced(const Law& law, const Visit& visit) const {
+  constexpr bool small = std::same_as<Law, LinearElastic<dim>>;
+  if constexpr (dim == 3) {
+    if (is_shell()) {
+      return visit([&](std::size_t c) {
+        const std::size_t point = c * geometry_.points_per_cell;
+        using Kinematics = ShellKinematics<small>;
+        return EnhancedCell<Law, Kinematics>(
+            law, geometry_.shells.rule(c), geometry_.shells.shapes[c],
+            geometry_.gradients.data() + point * Kinematics::num_nodes,
+            geometry_.weights.data() + point);
+      });
+    }
+  }
+  return visit([&](std::size_t c) {
+    using Kinematics = BrickKinematics<dim, small>;
+    const std::size_t point = c * Kinematics::max_points;
+    return EnhancedCell<Law, Kinematics>(
+        law, typename Kinematics::Geometry{
+                 .gradients = geometry_.gradients.data() + point * Kinematics::num_nodes,
+                 .weights = geometry_.weights.data() + point,
+                 .modes = geometry_.modes.data() + point});
+  });
+}
+
+template <int dim>
+template <class CellOf>
+StressIntegral CellBlock<dim>::integrate_enhanced(const CellOf& cell_of, std::span<const double> u,
                                                   std::span<double> f_int, BlockMatrix<dim>* K,
                                                   HistoryStep history) const {
-  using Cell = EnhancedCell<dim, Law>;
+  using Cell = std::invoke_result_t<CellOf, std::size_t>;
   StressIntegral result;
   typename Cell::Stiffness K_cell;
   std::array<Vector<dim>, Cell::num_nodes> u_cell;
@@ -197,10 +191,7 @@ StressIntegral CellBlock<dim>::integrate_enhanced(const Law& law, std::span<cons
     const double share = share_left(c, history.accepted);
     keep_failure(c, share, history);
     if (share == 0) continue;
-    const std::size_t point = c * Cell::num_points;
-    Cell cell(law, {.gradients = gradients_.data() + point * Cell::num_nodes,
-                    .weights = weights_.data() + point,
-                    .modes = modes_.data() + point});
+    Cell cell = cell_of(c);
     const HistoryStep of_cell = history.part(c * history_width_, law_width());
     if (const char* fault = cell.balance(u_cell, of_cell.accepted, of_cell.trial)) {
       return {.inadmissible_cell = cells_[c], .fault = fault, .energy = result.energy};
@@ -225,7 +216,11 @@ StressIntegral CellBlock<dim>::add_internal(std::span<const double> u, std::span
   return std::visit(
       [&]<class Law>(const Law& law) {
         if constexpr (!std::same_as<Law, Concrete<dim>>) {
-          if (is_enhanced()) return integrate_enhanced(law, u, f_int, K, history);
+          if (is_enhanced()) {
+            return visit_enhanced(law, [&](const auto& cell_of) {
+              return integrate_enhanced(cell_of, u, f_int, K, history);
+            });
+          }
         }
         if constexpr (dim == 2) {
           switch (nodes_per_cell_) {
@@ -262,10 +257,10 @@ StressIntegral CellBlock<dim>::add_internal(std::span<const double> u, std::span
 
 template <int dim>
 Matrix<dim> CellBlock<dim>::gradient_at(std::int32_t c, int q, std::span<const double> u) const {
-  const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
+  const std::size_t point = static_cast<std::size_t>(c) * geometry_.points_per_cell + q;
   Matrix<dim> H = Matrix<dim>::Zero();
   for (int a = 0; a < nodes_per_cell_; ++a) {
-    H += at<dim>(u, nodes_of(c)[a]) * gradients_[point * nodes_per_cell_ + a].transpose();
+    H += at<dim>(u, nodes_of(c)[a]) * geometry_.gradients[point * nodes_per_cell_ + a].transpose();
   }
   return H;
 }
@@ -279,39 +274,36 @@ Symmetric<dim> CellBlock<dim>::mean_stress(const Law& law, std::int32_t c,
   double volume = 0;
   StressUpdate<dim> update;
   std::vector<double> unused(history.begin(), history.end());
-  for (int q = 0; q < points_per_cell_; ++q) {
-    const std::size_t point = static_cast<std::size_t>(c) * points_per_cell_ + q;
+  for (int q = 0; q < geometry_.points_per_cell; ++q) {
+    const std::size_t point = static_cast<std::size_t>(c) * geometry_.points_per_cell + q;
     const HistoryStep of_point = HistoryStep{.accepted = history, .trial = unused}.part(
         q * history_per_point_, history_per_point_);
     update_point<dim>(law_in(law, static_cast<std::size_t>(c)), gradient_at(c, q, u), of_point,
                       update, nullptr);
     const bool small_strain = std::same_as<Law, LinearElastic<dim>>;
-    mean += weights_[point] * update.tau / (small_strain ? 1.0 : update.J);
-    volume += weights_[point];
+    mean += geometry_.weights[point] * update.tau / (small_strain ? 1.0 : update.J);
+    volume += geometry_.weights[point];
   }
   return mean / volume;
 }
 
 template <int dim>
-template <class Law>
-Symmetric<dim> CellBlock<dim>::mean_enhanced_stress(const Law& law, std::int32_t c,
+template <class CellOf>
+Symmetric<dim> CellBlock<dim>::mean_enhanced_stress(const CellOf& cell_of, std::size_t c,
                                                     std::span<const double> u,
                                                     std::span<const double> history) const {
-  using Cell = EnhancedCell<dim, Law>;
-  const std::size_t point = static_cast<std::size_t>(c) * Cell::num_points;
-  Cell cell(law, {.gradients = gradients_.data() + point * Cell::num_nodes,
-                  .weights = weights_.data() + point,
-                  .modes = modes_.data() + point});
-  std::array<Vector<dim>, Cell::num_nodes> u_cell;
-  for (int a = 0; a < Cell::num_nodes; ++a) u_cell[a] = at<dim>(u, nodes_of(c)[a]);
+  auto cell = cell_of(c);
+  std::array<Vector<dim>, decltype(cell)::num_nodes> u_cell;
+  const auto nodes = nodes_of(static_cast<std::int32_t>(c));
+  for (std::size_t a = 0; a < u_cell.size(); ++a) u_cell[a] = at<dim>(u, nodes[a]);
   std::vector<double> unused(history.begin(), history.end());
   if (cell.balance(u_cell, history, unused) != nullptr) {
     return Symmetric<dim>::Constant(std::nan(""));
   }
   Symmetric<dim> mean = Symmetric<dim>::Zero();
   double volume = 0;
-  for (int q = 0; q < Cell::num_points; ++q) {
-    const double w = weights_[point + q];
+  for (int q = 0; q < geometry_.points_per_cell; ++q) {
+    const double w = geometry_.weights[c * geometry_.points_per_cell + q];
     mean += w * cell.kirchhoff_stress(q) / cell.volume_ratio(q);
     volume += w;
   }
@@ -333,7 +325,9 @@ void CellBlock<dim>::find_stresses(std::span<const double> u, std::span<const do
           if (share == 0) continue;
           if constexpr (!std::same_as<Law, Concrete<dim>>) {
             if (is_enhanced()) {
-              mean = share * mean_enhanced_stress(law, c, u, own);
+              visit_enhanced(law, [&](const auto& cell_of) {
+                mean = share * mean_enhanced_stress(cell_of, k, u, own);
+              });
               continue;
             }
           }
@@ -349,8 +343,8 @@ double CellBlock<dim>::largest_rotation(std::span<const double> u) const {
   if (!std::holds_alternative<LinearElastic<dim>>(material_.law)) return largest;
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     Matrix<dim> F = Matrix<dim>::Identity();
-    for (int q = 0; q < points_per_cell_; ++q) {
-      F += gradient_at(static_cast<std::int32_t>(c), q, u) / points_per_cell_;
+    for (int q = 0; q < geometry_.points_per_cell; ++q) {
+      F += gradient_at(static_cast<std::int32_t>(c), q, u) / geometry_.points_per_cell;
     }
     largest = std::max(largest, angle_of<dim>(F));
   }

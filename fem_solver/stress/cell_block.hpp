@@ -10,7 +10,7 @@
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
-#include "fem_solver/stress/enhanced_strain.hpp"
+#include "fem_solver/stress/cell_geometry.hpp"
 #include "fem_solver/stress/failure_numbers.hpp"
 #include "fem_solver/stress/stress_integral.hpp"
 
@@ -54,7 +54,8 @@ class CellBlock {
   }
   std::size_t history_size() const { return history_width_ * cells_.size(); }
   std::span<const double> weights(std::size_t c) const {  ///< of the points of a cell [m^dim]
-    return std::span(weights_).subspan(c * points_per_cell_, points_per_cell_);
+    return std::span(geometry_.weights)
+        .subspan(c * geometry_.points_per_cell, geometry_.points_per_cell);
   }
   bool yields() const { return std::holds_alternative<VonMises<dim>>(material_.law); }
   bool cracks() const { return std::holds_alternative<Concrete<dim>>(material_.law); }
@@ -63,19 +64,22 @@ class CellBlock {
   template <int nodes, class Law>
   StressIntegral integrate(const Law& law, std::span<const double> u, std::span<double> f_int,
                            BlockMatrix<dim>* K, HistoryStep history) const;
-  template <class Law>
-  StressIntegral integrate_enhanced(const Law& law, std::span<const double> u,
+  /// Call visit(cell), a function of the number of a cell in the block: its EnhancedCell.
+  template <class Law, class Visit>
+  auto visit_enhanced(const Law& law, const Visit& visit) const;
+  template <class CellOf>
+  StressIntegral integrate_enhanced(const CellOf& cell_of, std::span<const double> u,
                                     std::span<double> f_int, BlockMatrix<dim>* K,
                                     HistoryStep history) const;
   template <class Law>
   Symmetric<dim> mean_stress(const Law& law, std::int32_t c, std::span<const double> u,
                              std::span<const double> history) const;
-  template <class Law>
-  Symmetric<dim> mean_enhanced_stress(const Law& law, std::int32_t c, std::span<const double> u,
+  template <class CellOf>
+  Symmetric<dim> mean_enhanced_stress(const CellOf& cell_of, std::size_t c,
+                                      std::span<const double> u,
                                       std::span<const double> history) const;
   template <class Law>
   decltype(auto) law_in(const Law& law, std::size_t c) const;
-  void compute_geometry(const Mesh<dim>& mesh, const MeshRanks& ranks);
   std::span<const std::int32_t> nodes_of(std::int32_t c) const {
     return std::span(cell_nodes_)
         .subspan(static_cast<std::size_t>(c) * nodes_per_cell_, nodes_per_cell_);
@@ -84,18 +88,17 @@ class CellBlock {
   std::size_t law_width() const { return history_width_ - (may_fail() ? failure_numbers : 0); }
   void keep_failure(std::size_t c, double share, HistoryStep history) const;
   Matrix<dim> gradient_at(std::int32_t c, int q, std::span<const double> u) const;
-  bool is_enhanced() const { return material_.formulation == Formulation::enhanced; }
+  /// Strains are enhanced, by modes that are part of the history.
+  bool is_enhanced() const { return material_.formulation == Formulation::enhanced || is_shell(); }
+  bool is_shell() const { return material_.formulation == Formulation::solid_shell; }
 
   CellMaterial<dim> material_;
   std::vector<std::int32_t> cells_;  // of the mesh
   int nodes_per_cell_ = 0;
-  int points_per_cell_ = 0;
+  CellGeometry<dim> geometry_;
   std::size_t history_per_point_ = 0;
   std::size_t history_width_ = 0;
   std::vector<std::int32_t> cell_nodes_;  // cells x nodes
-  std::vector<Vector<dim>> gradients_;    // cells x points x nodes
-  std::vector<double> weights_;           // cells x points [m^dim]
-  std::vector<ModeStrains<dim>> modes_;   // cells x points; empty: not enhanced
   std::vector<CrackBand<dim>> bands_;     // cells; empty: not of concrete
 };
 

@@ -34,6 +34,10 @@ void check_formulation(const CellMaterial<dim>& material, CellType type) {
       material.formulation != Formulation::reduced || can_be_reduced,
       "{}: found \"formulation\" \"reduced\" with cells of type {}, allowed: quad8, hex20",
       material.where, name(type));
+  require<ConfigError>(
+      material.formulation != Formulation::solid_shell || type == CellType::hex8,
+      "{}: found \"formulation\" \"solid_shell\" with cells of type {}, allowed: hex8",
+      material.where, name(type));
 }
 
 }  // namespace

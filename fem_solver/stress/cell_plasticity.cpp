@@ -12,8 +12,8 @@ void CellBlock<dim>::find_plastic_strains(std::span<const double> history,
   if (!yields()) return;
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     double sum = 0, volume = 0;
-    for (int q = 0; q < points_per_cell_; ++q) {
-      const double w = weights_[c * points_per_cell_ + q];
+    for (int q = 0; q < geometry_.points_per_cell; ++q) {
+      const double w = geometry_.weights[c * geometry_.points_per_cell + q];
       sum += w * history[c * history_width_ + (q + 1) * history_per_point_ - 1];
       volume += w;
     }
@@ -35,7 +35,7 @@ double CellBlock<dim>::largest_plastic_strain(std::size_t c,
                                               std::span<const double> history) const {
   double largest = 0;
   if (!yields()) return largest;
-  for (int q = 0; q < points_per_cell_; ++q) {
+  for (int q = 0; q < geometry_.points_per_cell; ++q) {
     largest = std::max(largest, history[c * history_width_ + (q + 1) * history_per_point_ - 1]);
   }
   return largest;
@@ -48,11 +48,11 @@ double CellBlock<dim>::plastic_work(std::span<const double> history) const {
   double sum = 0;
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     const double share = share_left(c, history);
-    for (int q = 0; q < points_per_cell_; ++q) {
+    for (int q = 0; q < geometry_.points_per_cell; ++q) {
       const auto own =
           history.subspan(c * history_width_ + q * history_per_point_, history_per_point_);
       if (own.back() <= 0) continue;
-      sum += share * weights_[c * points_per_cell_ + q] * law->plastic_work(own);
+      sum += share * geometry_.weights[c * geometry_.points_per_cell + q] * law->plastic_work(own);
     }
   }
   return sum;

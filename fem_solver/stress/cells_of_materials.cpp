@@ -36,12 +36,6 @@ std::string centre_text(const Mesh<dim>& mesh, std::span<const std::int32_t> nod
   return fmt::format("({:.6g})", fmt::join(centre.data(), centre.data() + dim, ", "));
 }
 
-/// Number in the whole mesh and centre.
-template <int dim>
-std::string describe_cell(const Mesh<dim>& mesh, const MeshRanks& ranks, std::int32_t c) {
-  return fmt::format("cell {} near {}", ranks.cell_of_all(c), centre_text(mesh, mesh.cell(c)));
-}
-
 template <int dim>
 const std::vector<std::int32_t>& find_lines(const Mesh<dim>& mesh, const LineMaterial& material) {
   const auto found = mesh.line_groups.find(material.group);
@@ -58,7 +52,13 @@ const std::vector<std::int32_t>& find_lines(const Mesh<dim>& mesh, const LineMat
       names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-/// Whether another rank may have a cell on the other side.
+}  // namespace
+
+template <int dim>
+std::string describe_cell(const Mesh<dim>& mesh, const MeshRanks& ranks, std::int32_t c) {
+  return fmt::format("cell {} near {}", ranks.cell_of_all(c), centre_text(mesh, mesh.cell(c)));
+}
+
 bool is_shared(std::span<const std::int32_t> facet, const SharedNodes& shared) {
   if (shared.alone()) return false;
   const auto has_all = [&](int n) {
@@ -71,8 +71,6 @@ bool is_shared(std::span<const std::int32_t> facet, const SharedNodes& shared) {
   }
   return false;
 }
-
-}  // namespace
 
 template <int dim>
 void refuse_loose_cells(const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials,
@@ -160,6 +158,9 @@ std::vector<std::vector<std::int32_t>> cells_of_materials(
   }
   return cells;
 }
+
+template std::string describe_cell(const Mesh<2>&, const MeshRanks&, std::int32_t);
+template std::string describe_cell(const Mesh<3>&, const MeshRanks&, std::int32_t);
 
 template void refuse_loose_cells(const Mesh<2>&, std::span<const CellMaterial<2>>,
                                  const MeshRanks&);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/mechanics/mesh/mesh.hpp"
@@ -34,6 +35,13 @@ template <int dim>
 std::vector<std::vector<std::int32_t>> lines_of_materials(const Mesh<dim>& mesh,
                                                           std::span<const LineMaterial> materials,
                                                           const MeshRanks& ranks);
+
+/// Number of a cell in the whole mesh, and its centre, for messages.
+template <int dim>
+std::string describe_cell(const Mesh<dim>& mesh, const MeshRanks& ranks, std::int32_t c);
+
+/// Whether another rank may have a cell on the other side. @param facet  its corners
+bool is_shared(std::span<const std::int32_t> facet, const SharedNodes& shared);
 
 /// Refuse reduced hex20 in a row: a mode without energy, one of each cell, dies only where the cell
 /// has neighbours along two axes, whatever holds the ends of the row.

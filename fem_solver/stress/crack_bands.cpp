@@ -68,10 +68,11 @@ std::vector<CrackBand<dim>> crack_bands(const Mesh<dim>& mesh, const CellMateria
                        "narrower than its cell, and take less than the fracture energy",
                        material.where, name(mesh.cell_type));
   require<ConfigError>(material.formulation == Formulation::full,
-                       "{}: found \"formulation\" \"enhanced\" with \"law\" \"concrete\", allowed: "
+                       "{}: found \"formulation\" \"{}\" with \"law\" \"concrete\", allowed: "
                        "\"full\"; a crack "
                        "would be narrower than its cell, and take less than the fracture energy",
-                       material.where);
+                       material.where,
+                       material.formulation == Formulation::enhanced ? "enhanced" : "solid_shell");
   for (const std::int32_t c : cells) {
     bands.push_back(band_of(mesh, c));
     const double width = bands.back().largest();

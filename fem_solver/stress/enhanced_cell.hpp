@@ -12,27 +12,24 @@
 
 namespace gabion::fem {
 
-/// One quad4 or hex8 whose logarithmic strain is enhanced, E = E(u) + M alpha
-/// (docs/theory/structure.md, (T16) to (T18)); with small strain the symmetric part of H is. The
-/// modes are found from the accepted ones, so that forces are a function of accepted state and
-/// displacement alone.
-template <int dim, class Law>
+/// Cell whose logarithmic strain is enhanced, E = E(u) + M alpha (docs/theory/structure.md, (T16)
+/// to (T18)); with small strain the symmetric part of H is. The modes are found from the accepted
+/// ones, so that forces are a function of accepted state and displacement alone.
+/// @tparam Kinematics  how E(u) depends on the nodes, and the modes: BrickKinematics, ...
+template <class Law, class Kinematics>
 class EnhancedCell {
  public:
-  static constexpr int num_nodes = 1 << dim, num_points = 1 << dim, num_dofs = num_nodes * dim;
-  static constexpr bool small_strain = std::same_as<Law, LinearElastic<dim>>;
-  using Modes = Eigen::Matrix<double, num_modes<dim>, 1>;
+  static constexpr int dim = Kinematics::dim, num_nodes = Kinematics::num_nodes,
+                       num_modes = Kinematics::num_modes, num_dofs = num_nodes * dim;
+  static constexpr bool small_strain = Kinematics::small_strain;
+  using Modes = Eigen::Matrix<double, num_modes, 1>;
   using Forces = Eigen::Matrix<double, num_dofs, 1>;
   using Stiffness = Eigen::Matrix<double, num_dofs, num_dofs, Eigen::RowMajor>;
 
-  /// Geometry of a cell: points x nodes, points, points.
-  struct Geometry {
-    const Vector<dim>* gradients;
-    const double* weights;
-    const ModeStrains<dim>* modes;
-  };
-
-  EnhancedCell(const Law& law, const Geometry& geometry) : law_(law), geometry_(geometry) {}
+  /// @param of_kinematics  that the kinematics are made from
+  template <class... Args>
+  explicit EnhancedCell(const Law& law, const Args&... of_kinematics)
+      : law_(law), kinematics_(of_kinematics...) {}
 
   /// Find the modes that balance, from those of the history.
   /// @param u          of the nodes [m]
@@ -41,10 +38,11 @@ class EnhancedCell {
   /// @returns          null, or what is wrong with the cell
   const char* balance(std::span<const Vector<dim>> u, std::span<const double> history_n,
                       std::span<double> history) {
-    for (int q = 0; q < num_points; ++q) {
-      if (!find_strain(q, u)) return "det F <= 0";
+    if (!kinematics_.move(u)) return "det F <= 0";
+    for (int q = 0; q < num_points(); ++q) {
+      if (!find_strain(q)) return "det F <= 0";
     }
-    alpha_ = Eigen::Map<const Modes>(history_n.data() + history_n.size() - num_modes<dim>);
+    alpha_ = Eigen::Map<const Modes>(history_n.data() + history_n.size() - num_modes);
     // Quadratic convergence takes 2 to 4; the floor is what rounding of the modes leaves.
     constexpr int max_iterations = 30;
     constexpr double tolerance = 1e-12, floor = 1e-15;
@@ -52,10 +50,10 @@ class EnhancedCell {
       Modes h = Modes::Zero();
       ModeStiffness K_aa = ModeStiffness::Zero();
       double size = 0;
-      for (int q = 0; q < num_points; ++q) {
+      for (int q = 0; q < num_points(); ++q) {
         find_stress(q, history_n, history);
-        const ModeStrains<dim>& M = geometry_.modes[q];
-        const double w = geometry_.weights[q];
+        const auto& M = kinematics_.modes(q);
+        const double w = kinematics_.weight(q);
         const Modes h_q = w * (M.transpose() * strain_vector<dim>(in_plane<dim>(stress_[q].T)));
         h += h_q;
         size += h_q.norm();
@@ -67,7 +65,7 @@ class EnhancedCell {
       factor_.compute(K_aa);
       if (factor_.info() != Eigen::Success) return "enhanced strain without stiffness";
       if (h.norm() <= tolerance * size + floor * K_aa.norm()) {
-        Eigen::Map<Modes>(history.data() + history.size() - num_modes<dim>) = alpha_;
+        Eigen::Map<Modes>(history.data() + history.size() - num_modes) = alpha_;
         return nullptr;
       }
       alpha_ -= factor_.solve(h);
@@ -78,33 +76,30 @@ class EnhancedCell {
   // The members below hold after balance():
   double energy() const {
     double sum = 0;
-    for (int q = 0; q < num_points; ++q) sum += geometry_.weights[q] * stress_[q].energy;
+    for (int q = 0; q < num_points(); ++q) sum += kinematics_.weight(q) * stress_[q].energy;
     return sum;
   }
   /// int B^T S
   Forces forces() const {
     Forces f = Forces::Zero();
-    for (int q = 0; q < num_points; ++q) {
-      const Matrix<dim> P = F_[q] * strain_tensor<dim>(green_at(q, /*with_tangent=*/false).S);
-      for (int a = 0; a < num_nodes; ++a) {
-        f.template segment<dim>(a * dim) += geometry_.weights[q] * (P * gradient(q, a));
-      }
+    for (int q = 0; q < num_points(); ++q) {
+      kinematics_.add_forces(q, green_at(q, /*with_tangent=*/false).S, f);
     }
     return f;
   }
   /// K_uu - K_ua K_aa^-1 K_au
   void find_stiffness(Stiffness& K) const {
     K.setZero();
-    Eigen::Matrix<double, num_modes<dim>, num_dofs> K_au;
+    Eigen::Matrix<double, num_modes, num_dofs> K_au;
     K_au.setZero();
-    for (int q = 0; q < num_points; ++q) {
+    for (int q = 0; q < num_points(); ++q) {
       const GreenStress<dim> green = green_at(q, /*with_tangent=*/true);
-      const StrainByNodes B = strain_by_nodes(q);
-      const StrainByNodes DB = geometry_.weights[q] * (green.D * B);
+      const auto B = kinematics_.strain_by_nodes(q);
+      const StrainByNodes<dim, num_dofs> DB = kinematics_.weight(q) * (green.D * B);
       K.noalias() += B.transpose() * DB;
-      const StrainMatrix<dim> D_slopes = geometry_.weights[q] * (stress_[q].D * slopes_[q]);
-      K_au.noalias() += (geometry_.modes[q].transpose() * D_slopes).eval() * B;
-      if (!small_strain) add_geometric(q, green.S, K);
+      const StrainMatrix<dim> D_slopes = kinematics_.weight(q) * (stress_[q].D * slopes_[q]);
+      K_au.noalias() += (kinematics_.modes(q).transpose() * D_slopes).eval() * B;
+      if (!small_strain) kinematics_.add_geometric(q, green.S, K);
     }
     K.noalias() -= K_au.transpose() * factor_.solve(K_au);
   }
@@ -114,7 +109,7 @@ class EnhancedCell {
     const LogStrain<dim> enhanced = log_strain_of<dim>(enhanced_strain(q));
     const StrainMatrix<dim> slopes = log_by_green<dim>(enhanced);
     const GreenStress<dim> green = turned_to_green<dim>(enhanced, slopes, stress_[q], false);
-    const Matrix<dim> F = F_[q] * stretch<dim>(strain_[q], -1) * stretch<dim>(enhanced, 1);
+    const Matrix<dim> F = kinematics_.rotation(q, strain_[q]) * stretch<dim>(enhanced, 1);
     Symmetric<dim> tau = symmetric<dim>(F * strain_tensor<dim>(green.S) * F.transpose());
     if constexpr (dim == 2) tau[2] = stress_[q].T[2];
     return tau;
@@ -125,31 +120,25 @@ class EnhancedCell {
   }
 
  private:
-  using ModeStiffness = Eigen::Matrix<double, num_modes<dim>, num_modes<dim>>;
-  using StrainByNodes = Eigen::Matrix<double, strain_size<dim>, num_dofs>;
+  using ModeStiffness = Eigen::Matrix<double, num_modes, num_modes>;
 
-  const Vector<dim>& gradient(int q, int a) const { return geometry_.gradients[q * num_nodes + a]; }
+  int num_points() const { return kinematics_.num_points(); }
 
-  /// Strain of the displacements. @returns false when det F <= 0
-  bool find_strain(int q, std::span<const Vector<dim>> u) {
-    Matrix<dim> H = Matrix<dim>::Zero();
-    for (int a = 0; a < num_nodes; ++a) H.noalias() += u[a] * gradient(q, a).transpose();
-    F_[q].setIdentity();
+  /// Strain of the displacements. @returns false when it is none
+  bool find_strain(int q) {
     if constexpr (small_strain) {
-      strain_[q].E = symmetric<dim>(H);
+      strain_[q].E = symmetric<dim>(kinematics_.strain(q));
       slopes_[q].setIdentity();
       return true;
     }
-    F_[q] += H;
-    if (!(determinant_minus_one<dim>(H) > -1)) return false;
-    if (!find_log_strain<dim>(twice_green_strain<dim>(H), strain_[q])) return false;
+    if (!find_log_strain<dim>(kinematics_.strain(q), strain_[q])) return false;
     slopes_[q] = log_by_green<dim>(strain_[q]);
     return true;
   }
 
   Symmetric<dim> enhanced_strain(int q) const {
     return strain_[q].E +
-           symmetric<dim>(strain_tensor<dim>(StrainVector<dim>(geometry_.modes[q] * alpha_)));
+           symmetric<dim>(strain_tensor<dim>(StrainVector<dim>(kinematics_.modes(q) * alpha_)));
   }
 
   void find_stress(int q, std::span<const double> history_n, std::span<double> history) {
@@ -171,39 +160,12 @@ class EnhancedCell {
     }
   }
 
-  StrainByNodes strain_by_nodes(int q) const {
-    StrainByNodes B = StrainByNodes::Zero();
-    for (int a = 0; a < num_nodes; ++a) {
-      for (int J = 0; J < dim; ++J) {
-        for (int M = 0; M < dim; ++M) {
-          const int row = strain_index<dim>(M, J);
-          const double slope = gradient(q, a)[J] / strain_factor(M, J);
-          for (int i = 0; i < dim; ++i) B(row, a * dim + i) += F_[q](i, M) * slope;
-        }
-      }
-    }
-    return B;
-  }
-
-  /// K_ab += w (dN_a . S dN_b) 1
-  void add_geometric(int q, const StrainVector<dim>& stress, Stiffness& K) const {
-    const Matrix<dim> S = geometry_.weights[q] * strain_tensor<dim>(stress);
-    for (int a = 0; a < num_nodes; ++a) {
-      const Vector<dim> S_dN = S * gradient(q, a);
-      for (int b = 0; b < num_nodes; ++b) {
-        const double k = S_dN.dot(gradient(q, b));
-        for (int i = 0; i < dim; ++i) K(a * dim + i, b * dim + i) += k;
-      }
-    }
-  }
-
   const Law& law_;
-  Geometry geometry_;
+  Kinematics kinematics_;
   Modes alpha_;
-  std::array<Matrix<dim>, num_points> F_;
-  std::array<LogStrain<dim>, num_points> strain_;     // of the displacements
-  std::array<StrainMatrix<dim>, num_points> slopes_;  // log_by_green() of these
-  std::array<LogStress<dim>, num_points> stress_;     // of the enhanced strains
+  std::array<LogStrain<dim>, Kinematics::max_points> strain_;     // of the displacements
+  std::array<StrainMatrix<dim>, Kinematics::max_points> slopes_;  // log_by_green() of these
+  std::array<LogStress<dim>, Kinematics::max_points> stress_;     // of the enhanced strains
   Eigen::LLT<ModeStiffness> factor_;
 };
 

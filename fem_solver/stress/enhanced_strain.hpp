@@ -18,6 +18,10 @@ inline constexpr int num_modes = dim == 2 ? 4 : 9;
 template <int dim>
 using ModeStrains = Eigen::Matrix<double, strain_size<dim>, num_modes<dim>>;
 
+/// Derivative of the strain by the displacements of the nodes.
+template <int dim, int num_dofs>
+using StrainByNodes = Eigen::Matrix<double, strain_size<dim>, num_dofs>;
+
 /// Modes at the points of a rule in a quad4 or hex8 (Simo and Rifai 1990): their mean over the cell
 /// is zero, so that uniform stresses do not see them (docs/theory/structure.md, (T16)).
 /// @param x_nodes  of the cell, 2^dim

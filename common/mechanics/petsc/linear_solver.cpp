@@ -83,7 +83,8 @@ double LinearSolver<block_size>::Implementation::allowed_residual(const LinearMe
                                                                   double tolerance) const {
   if (!method.direct()) return 10 * tolerance;
   const bool last = method.method == SolutionMethod::mumps;
-  return last && accepts_round_off ? round_off_tolerance : direct_tolerance;
+  const double least = last && accepts_round_off ? round_off_tolerance : direct_tolerance;
+  return std::max(least, settings.tolerance);
 }
 
 template <int block_size>
