@@ -21,6 +21,10 @@ target_compile_definitions(gabion_options INTERFACE EIGEN_DONT_VECTORIZE)
 # MPI's C face only: its header brings thousands of lines of a C++ one that nobody calls.
 target_compile_definitions(gabion_options INTERFACE OMPI_SKIP_MPICXX)
 target_compile_options(gabion_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow)
+# GCC collects its garbage later, which changes no code: 8 % of the time of a build, for at most 1 GB a file.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(gabion_options INTERFACE --param=ggc-min-expand=200 --param=ggc-min-heapsize=1000000)
+endif()
 if(GABION_WARNINGS_AS_ERRORS)
   target_compile_options(gabion_options INTERFACE -Werror)
 endif()
