@@ -13,13 +13,17 @@ function(gabion_precompile name)
     <fmt/format.h> <fmt/ranges.h> <nlohmann/json.hpp> ${arg_HEADERS})
 endfunction()
 
-gabion_precompile(gabion_precompiled LIBS Eigen3::Eigen HEADERS <Eigen/Dense>)
+set(gabion_vectors "") # of simd/lanes.hpp, which reaches half of the files
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  set(gabion_vectors <immintrin.h>)
+endif()
+gabion_precompile(gabion_precompiled LIBS Eigen3::Eigen HEADERS <Eigen/Dense> ${gabion_vectors})
 # Part of a shared library too: position-independent, without Eigen.
 gabion_precompile(gabion_precompiled_shared)
 set_target_properties(gabion_precompiled_shared PROPERTIES POSITION_INDEPENDENT_CODE ON)
 if(GABION_BUILD_TESTS)
   gabion_precompile(gabion_precompiled_tests LIBS Eigen3::Eigen GTest::gtest
-                    HEADERS <Eigen/Dense> <gtest/gtest.h>)
+                    HEADERS <Eigen/Dense> ${gabion_vectors} <gtest/gtest.h>)
   target_compile_options(gabion_precompiled_tests PRIVATE ${gabion_test_options})
 endif()
 

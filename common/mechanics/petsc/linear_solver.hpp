@@ -70,15 +70,15 @@ class LinearSolver {
   /// @note Collective.
   void set_matrix(const BlockMatrix<block_size>& K, const SharedNodes& shared = {});
 
-  /// Take a solution of the last direct method whose residual is at most 1e-5 |b|: where stiffnesses
-  /// differ by more than 1e8 round-off alone is above 1e-8 |b|.
+  /// Take a solution of the last direct method whose residual is at most 1e-5 |b|: where
+  /// stiffnesses differ by more than 1e8 round-off alone is above 1e-8 |b|.
   /// @pre  the caller checks solutions by a residual of its own, as Newton's method does
   void accept_round_off();
 
   /// Solve with the matrix of the last set_matrix. A Krylov method that fails is replaced by the
   /// direct one for the rest of the step and some more, see KrylovPause (logged, counted). The
-  /// residual |b - K x| of what is returned is at most 10 times the tolerance (direct: 1e-8, see accept_round_off) times
-  /// |b|.
+  /// residual |b - K x| of what is returned is at most 10 times the tolerance (direct: 1e-8, see
+  /// accept_round_off) times |b|.
   /// @param tolerance  relative to |b|, for a looser solution than the setting asks for; a tighter
   ///                   one than the setting is not given
   /// @returns iterations (0 for a direct solve)

@@ -219,8 +219,8 @@ TEST(RigidLinks, a_post_on_a_stiff_block_is_clamped) {
   }
 }
 
-/// The foot of the post lies in a node of the cube that the link takes along, or in one that it does
-/// not take along.
+/// The foot of the post lies in a node of the cube that the link takes along, or in one that it
+/// does not take along.
 TEST(RigidLinks, nodes_that_a_link_joins_are_not_said_to_be_apart) {
   for (const bool is_linked : {true, false}) {
     GmshText file = cube_with_post();
