@@ -196,11 +196,13 @@ std::vector<double> ImplicitStep<dim>::settlement(const StepStart& start,
   try {
     system_.solve(r, du);
   } catch (const ConvergenceError& error) {
+    const BodyGroups& groups = parts_.model.settings.body_groups;
     throw ConfigError(fmt::format(
         "{}: found no equilibrium of the soil under its initial stress: some of it is held "
         "nowhere, or not against every rigid motion; allowed: bodies that rest on \"walls\" of the "
-        "grid, or on what \"walls\" hold ({})",
-        where, error.what()));
+        "grid, or on what \"walls\" hold{} ({})",
+        where, groups.any() ? ", in each of the \"contact_groups\": none bears another here" : "",
+        error.what()));
   }
   return du;
 }
