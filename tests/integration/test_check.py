@@ -14,7 +14,8 @@ from test_foreign import FOREIGN, PYTHON, ROOT
 OPTIONAL = {"dealii_structure": "structures/dealii/build builds it", "opensees_structure": "-m pip install openseespy"}
 
 # Warnings of scenes, which their pages explain.
-WARNED = {"debris_flow_barrier": 'found "water" without "initial_stress"', "slit_dam": "too long for the grid"}
+WARNED = {"debris_flow_barrier": 'found "water" without "initial_stress"',
+          "debris_flow_on_terrain": 'found "water" without "initial_stress"', "slit_dam": "too long for the grid"}
 
 
 class CheckCase(IntegrationCase):
