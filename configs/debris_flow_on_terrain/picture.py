@@ -37,8 +37,8 @@ def describe(name: str, results: Results) -> None:
     crest = results.table("probes.csv")
     moved = np.sqrt(sum(crest[f"structure.crest.u{c}"] ** 2 for c in "xyz")).max()
     touching = steps["iterations"][force > 0]
-    print(f"{name}: arrives {time[np.argmax(force > 0)]:.2f} s, peak {force.max():.2f} MN at {time[force.argmax()]:.2f} s, "
-          f"at the end {force[time > time[-1] - 0.5].mean():.2f} MN, impulse {np.sum(force * steps['dt']):.2f} MN s, "
+    print(f"{name}: arrives {time[np.argmax(force > 0)]:.2f} s, "
+          f"peak {force.max():.2f} MN at {time[force.argmax()]:.2f} s, at the end {force[time > time[-1] - 0.5].mean():.2f} MN, impulse {np.sum(force * steps['dt']):.2f} MN s, "
           f"beyond {100 * np.sum(mass[is_beyond(frame.points)]) / np.sum(mass):.1f} % of what is left in the area, "
           f"crest {1e3 * moved:.2f} mm, {steps.num_rows} steps, {touching.mean():.2f} iterations, at most "
           f"{touching.max():.0f}")
@@ -57,7 +57,8 @@ def draw(runs: dict[str, Results], out: Path) -> None:
             order = np.argsort(frame.points[:, 2])
             drawn = axes.scatter(*frame.points[order, :2].T, c=speed[order], s=1, vmin=0, vmax=HIGHEST, cmap="viridis")
             axes.plot(*LINE.T, color="black", linewidth=3)
-            axes.set(xlim=(0, 86), ylim=(0, 40), aspect="equal", title=f"{name}, {time:g} s" if column == 0 else f"{time:g} s")
+            axes.set(xlim=(0, 86), ylim=(0, 40), aspect="equal")
+            axes.set_title(f"{name}, {time:g} s" if column == 0 else f"{time:g} s")
             axes.label_outer()
     figure.colorbar(drawn, ax=figure.axes, label="speed [m/s]", extend="max", shrink=0.6)
     axes = figure.add_subplot(grid[2, :])
