@@ -38,7 +38,8 @@ def describe(name: str, results: Results) -> None:
     moved = np.sqrt(sum(crest[f"structure.crest.u{c}"] ** 2 for c in "xyz")).max()
     touching = steps["iterations"][force > 0]
     print(f"{name}: arrives {time[np.argmax(force > 0)]:.2f} s, "
-          f"peak {force.max():.2f} MN at {time[force.argmax()]:.2f} s, at the end {force[time > time[-1] - 0.5].mean():.2f} MN, impulse {np.sum(force * steps['dt']):.2f} MN s, "
+          f"peak {force.max():.2f} MN at {time[force.argmax()]:.2f} s, "
+          f"at the end {force[time > time[-1] - 0.5].mean():.2f} MN, impulse {np.sum(force * steps['dt']):.2f} MN s, "
           f"beyond {100 * np.sum(mass[is_beyond(frame.points)]) / np.sum(mass):.1f} % of what is left in the area, "
           f"crest {1e3 * moved:.2f} mm, {steps.num_rows} steps, {touching.mean():.2f} iterations, at most "
           f"{touching.max():.0f}")
