@@ -168,7 +168,9 @@ void Equilibrium<dim>::begin_step(const StructureMotion& motion_n, std::span<con
   for (std::size_t i = 0; i < f_start.size(); ++i) f_ext_[i] += memory * f_start[i];
   dt_ = dt;
   with_inertia_ = with_inertia;
-  start_force_ = with_inertia || f_start.empty() ? 0 : shared().norm(f_start);
+  // All ranks take part, those without cells too.
+  const std::vector<double> none(f_start.empty() ? num_dofs_ : 0, 0.0);
+  start_force_ = with_inertia ? 0 : shared().norm(f_start.empty() ? none : f_start);
 }
 
 template <int dim>

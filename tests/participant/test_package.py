@@ -24,7 +24,7 @@ build = binaries = Path()  # set at the end
 # All that is installed: a header more is a promise more.
 HEADERS = {
     "common/base": ("error.hpp", "json.hpp", "process.hpp", "timer.hpp"),
-    "common/run": ("solver.hpp", "start.hpp", "state.hpp"),
+    "common/run": ("facets.hpp", "solver.hpp", "start.hpp", "state.hpp"),
     "common/settings": ("config_reader.hpp", "json_text.hpp", "keys.hpp", "nearest_word.hpp"),
     "protocol": ("gabion_participant.h", "participant.hpp", "serve.hpp"),
     "protocol/channel": ("attention.hpp", "heartbeat.hpp", "keys.hpp", "peer_watch.hpp", "socket.hpp"),
