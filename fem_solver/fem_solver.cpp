@@ -117,7 +117,7 @@ AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved
     const WidestCrack earlier = state_.widest_crack;
     state_ = std::move(*trial_);
     state_.widest_crack = earlier;
-    log_failures<dim>(settings_, step_.fail_cells(request.dt, state_), state_.time,
+    log_failures<dim>(settings_, changing_, step_.fail_cells(request.dt, state_), state_.time,
                       warned_of_wet_failure_);
     if (changing_.any() && state_.history) {
       changing_.accept(lost_shares_of_cells(step_.equilibrium().cells(), *state_.history),

@@ -137,7 +137,10 @@ void CoupledStep::forget_if_misleading(double dt) {
   constexpr double smallest_share = 0.5;  // of dt: below it, a structure moves less than a quarter
                                           // as far
   const bool much_smaller = dt < smallest_share * columns_dt_ * (1 - 1e-9);
-  if (!contact_.changed(sides_.soil_reports()) && !much_smaller) return;
+  if (contact_.changed(sides_.soil_reports()) || much_smaller) forget_columns();
+}
+
+void CoupledStep::forget_columns() {
   forgotten_columns_ = acceleration_->reset();
   columns_dt_ = 0;
   ++counts_.history_resets;
@@ -192,9 +195,7 @@ void CoupledStep::accept(const Attempt& done, double time) {
 }
 
 void CoupledStep::forget(double time, const Attempt& done) {
-  forgotten_columns_ = acceleration_->reset();
-  columns_dt_ = 0;
-  ++counts_.history_resets;
+  forget_columns();
   predictor_.forget();
   predictor_.accept(time, scheme_->unknowns(done.x_tilde, done.f));
 }

@@ -66,6 +66,7 @@ class CoupledStep {
   /// half of theirs: the displacement of a structure with inertia is proportional to dt^2, so these
   /// columns would be too large.
   void forget_if_misleading(double dt);
+  void forget_columns();
   void warn_of_round_off(const ConvergenceState& state);
   void log_iteration(Attempt& now, const Stopwatch& watch);
   void accelerate(Attempt& now);

@@ -15,17 +15,6 @@ namespace {
 /// Whether a cell is gone: its whole stress is lost.
 constexpr double all_of_it = 1;
 
-template <int dim>
-std::vector<std::int64_t> facets_by_nodes(const Mesh<dim>& mesh,
-                                          const WetSurfaceSettings& interface) {
-  std::vector<std::int64_t> facets;
-  for (const std::string& group : interface.groups) {
-    const auto& own = mesh.facets(group, interface.where);
-    facets.insert(facets.end(), own.begin(), own.end());
-  }
-  return facets;
-}
-
 }  // namespace
 
 template <int dim>
@@ -61,7 +50,7 @@ ChangingSurfaces<dim>::ChangingSurfaces(const FemSettings<dim>& settings,
       owner_[c] = static_cast<std::int32_t>(s);
     }
     surfaces_.push_back({interface.name, surfaces.nodes(s),
-                         ExposedFacets<dim>(mesh, facets_by_nodes(mesh, interface), cells)});
+                         ExposedFacets<dim>(mesh, facets_of(mesh, interface), cells)});
   }
   for (std::size_t s = 0; s < settings.interfaces.size(); ++s) {
     const WetSurfaceSettings& interface = settings.interfaces[s];
@@ -69,7 +58,7 @@ ChangingSurfaces<dim>::ChangingSurfaces(const FemSettings<dim>& settings,
     for (std::int32_t c = 0; c < mesh.num_cells(); ++c) {
       if (owner_[c] >= 0 && owner_[c] != static_cast<std::int32_t>(s)) others.push_back(c);
     }
-    const ExposedFacets<dim> seen(mesh, facets_by_nodes(mesh, interface), others);
+    const ExposedFacets<dim> seen(mesh, facets_of(mesh, interface), others);
     const auto found = std::ranges::find_if(seen.cells(), [](std::int32_t c) { return c >= 0; });
     if (found == seen.cells().end()) continue;
     throw ConfigError(interface.where + ": found a facet of cell " + std::to_string(*found) +

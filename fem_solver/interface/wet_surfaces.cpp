@@ -15,17 +15,6 @@ namespace gabion::fem {
 
 namespace {
 
-/// Facets of an interface on one rank, group by group, as numbers of nodes in the whole mesh.
-template <int dim>
-std::vector<std::int64_t> facets_of(const Mesh<dim>& mesh, const WetSurfaceSettings& interface) {
-  std::vector<std::int64_t> facets;
-  for (const auto& group : interface.groups) {
-    const auto& part = mesh.facets(group, interface.where);
-    facets.insert(facets.end(), part.begin(), part.end());
-  }
-  return facets;
-}
-
 /// Facets of an interface on all ranks: each gives its own, with group and place in it.
 template <int dim>
 std::vector<std::int64_t> gather_facets(const Mesh<dim>& mesh, const MeshRanks& ranks,
@@ -64,6 +53,16 @@ std::vector<std::int64_t> split_facets(std::span<const std::int64_t> facets, Cel
 }
 
 }  // namespace
+
+template <int dim>
+std::vector<std::int64_t> facets_of(const Mesh<dim>& mesh, const WetSurfaceSettings& interface) {
+  std::vector<std::int64_t> facets;
+  for (const auto& group : interface.groups) {
+    const auto& part = mesh.facets(group, interface.where);
+    facets.insert(facets.end(), part.begin(), part.end());
+  }
+  return facets;
+}
 
 template <int dim>
 WetSurfaces<dim>::WetSurfaces(const Mesh<dim>& structure,
@@ -161,6 +160,8 @@ InterfaceValues WetSurfaces<dim>::displacements(std::span<const double> u) const
   return result;
 }
 
+template std::vector<std::int64_t> facets_of(const Mesh<2>&, const WetSurfaceSettings&);
+template std::vector<std::int64_t> facets_of(const Mesh<3>&, const WetSurfaceSettings&);
 template class WetSurfaces<2>;
 template class WetSurfaces<3>;
 

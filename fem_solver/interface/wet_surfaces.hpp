@@ -11,6 +11,11 @@
 
 namespace gabion::fem {
 
+/// Facets of an interface, group by group, by the nodes of a mesh: on one rank all of them.
+/// @throws ConfigError  missing group, with those that exist
+template <int dim>
+std::vector<std::int64_t> facets_of(const Mesh<dim>& mesh, const WetSurfaceSettings& interface);
+
 /// The wet surfaces of a structure, one an interface: facets of its mesh, vertices = nodes;
 /// those of cells behind them (WetSurfaceSettings::behind) too. Quadratic facets are split into
 /// linear ones on all of their nodes, linear_parts(). They take forces and give displacements. Each

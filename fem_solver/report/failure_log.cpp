@@ -9,25 +9,17 @@
 #include <vector>
 
 #include "common/base/log.hpp"
-#include "common/mechanics/mesh/cell_groups.hpp"
 #include "common/mechanics/ranks/gather.hpp"
 
 namespace gabion::fem {
 
 namespace {
 
-/// Whether the facets of a cell leave an interface with it.
-template <int dim>
-bool leaves(const Mesh<dim>& mesh, const WetSurfaceSettings& surface, std::int32_t cell) {
-  if (surface.behind.empty()) return false;
-  const auto cells = cells_of_groups(mesh, surface.behind, surface.behind_where);
-  return std::ranges::binary_search(cells, cell);
-}
-
 /// Whether a cell of this rank has a facet of an interface that stays without it, or a line is a
 /// beam of one.
 template <int dim>
-bool is_wet(const FemSettings<dim>& settings, std::int32_t element) {
+bool is_wet(const FemSettings<dim>& settings, const ChangingSurfaces<dim>& changing,
+            std::int32_t element) {
   const Mesh<dim>& mesh = settings.mesh;
   const std::int32_t line = element - mesh.num_cells();
   if (line >= 0) {
@@ -39,11 +31,11 @@ bool is_wet(const FemSettings<dim>& settings, std::int32_t element) {
       });
     });
   }
+  if (changing.has(element)) return false;
   const auto nodes = mesh.element(element);
   const auto is_own = [&](std::int32_t i) { return std::ranges::find(nodes, i) != nodes.end(); };
   const std::size_t n = num_nodes(facet_type(mesh.cell_type));
   for (const WetSurfaceSettings& surface : settings.interfaces) {
-    if (leaves(mesh, surface, element)) continue;
     for (const std::string& group : surface.groups) {
       const std::span<const std::int32_t> facets = mesh.facets(group, surface.where);
       for (std::size_t f = 0; f < facets.size(); f += n) {
@@ -64,15 +56,15 @@ std::string gather_text(MPI_Comm comm, const std::string& own) {
 }  // namespace
 
 template <int dim>
-void log_failures(const FemSettings<dim>& settings, std::span<const Failure> failures, double time,
-                  bool& warned) {
+void log_failures(const FemSettings<dim>& settings, const ChangingSurfaces<dim>& changing,
+                  std::span<const Failure> failures, double time, bool& warned) {
   const SharedNodes& shared = settings.ranks.shared();
   if (shared.total(static_cast<double>(failures.size())) == 0) return;
   std::string text, wet;
   for (const Failure& failure : failures) {
     const std::string sentence = describe(failure, settings.mesh, settings.ranks);
     text += fmt::format("t = {:.6g} s: {}\n", time, sentence);
-    if (!warned && wet.empty() && is_wet(settings, failure.element)) wet = sentence;
+    if (!warned && wet.empty() && is_wet(settings, changing, failure.element)) wet = sentence;
   }
   text = gather_text(settings.ranks.comm(), text);
   for (std::size_t first = 0; first < text.size();) {
@@ -90,7 +82,9 @@ void log_failures(const FemSettings<dim>& settings, std::span<const Failure> fai
       wet);
 }
 
-template void log_failures(const FemSettings<2>&, std::span<const Failure>, double, bool&);
-template void log_failures(const FemSettings<3>&, std::span<const Failure>, double, bool&);
+template void log_failures(const FemSettings<2>&, const ChangingSurfaces<2>&,
+                           std::span<const Failure>, double, bool&);
+template void log_failures(const FemSettings<3>&, const ChangingSurfaces<3>&,
+                           std::span<const Failure>, double, bool&);
 
 }  // namespace gabion::fem

@@ -168,8 +168,8 @@ void Equilibrium<dim>::begin_step(const StructureMotion& motion_n, std::span<con
   for (std::size_t i = 0; i < f_start.size(); ++i) f_ext_[i] += memory * f_start[i];
   dt_ = dt;
   with_inertia_ = with_inertia;
-  const std::vector<double> none(f_start.empty() ? num_dofs_ : 0, 0.0);  // all ranks take part
-  start_force_ = with_inertia ? 0 : shared().norm(f_start.empty() ? none : f_start);
+  start_force_ =
+      with_inertia ? 0 : shared().norm(f_start);  // of all ranks, those without cells too
 }
 
 template <int dim>

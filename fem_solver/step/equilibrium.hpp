@@ -42,7 +42,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   /// @param f_ext    loads at the end of the step [N]
   /// @param f_start  loads minus internal forces at its start [N]; empty where the scheme has no
   ///                 force_memory. In statics the internal forces at its start, with which the
-  ///                 residual is compared, too, since a step may end unloaded; empty: none
+  ///                 residual is compared, too, since a step may end unloaded
   void begin_step(const StructureMotion& motion_n, std::span<const double> f_ext,
                   std::span<const double> f_start, double dt, bool with_inertia);
 

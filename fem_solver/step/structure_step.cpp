@@ -79,7 +79,7 @@ StructureState StructureStep<dim>::state_of(std::vector<double> u, std::vector<d
     state.motion.a.assign(equilibrium_.num_dofs(), 0.0);
   }
   std::vector<double> r(equilibrium_.num_dofs()), no_increment(equilibrium_.num_dofs(), 0.0);
-  equilibrium_.begin_step(state.motion, state.f_ext, {}, 1, /*with_inertia=*/false);
+  equilibrium_.begin_step(state.motion, state.f_ext, no_increment, 1, /*with_inertia=*/false);
   const Evaluation start = equilibrium_.evaluate(no_increment, r, nullptr);
   require<ConvergenceError>(start.admissible, "initial state: " + start.reason);
   state.f_int = equilibrium_.forces().internal;
@@ -128,7 +128,8 @@ StructureState StructureStep<dim>::initial_state() {
 template <int dim>
 std::vector<double> StructureStep<dim>::start_forces(const StructureState& state_n,
                                                      bool with_inertia) const {
-  if (!with_inertia || equilibrium_.scheme().force_memory() == 0) return {};
+  if (!with_inertia) return state_n.f_int;
+  if (equilibrium_.scheme().force_memory() == 0) return {};
   std::vector<double> f = state_n.f_ext;
   for (std::size_t i = 0; i < f.size(); ++i) f[i] -= state_n.f_int[i];
   return f;
@@ -203,8 +204,7 @@ NewtonReport StructureStep<dim>::solve_balance(const StructureState& state_n,
       .K = K_, .linear = linear_, .is_usable = prepare_matrix(state_n, dt, with_inertia)};
   if (!matrix.is_usable) held_tangent_.reset();
   equilibrium_.set_history(state_n.history);
-  equilibrium_.begin_step(state_n.motion, f_ext,
-                          with_inertia ? start_forces(state_n, true) : state_n.f_int, dt,
+  equilibrium_.begin_step(state_n.motion, f_ext, start_forces(state_n, with_inertia), dt,
                           with_inertia);
   try {
     const NewtonReport report = solve_newton<dim>(equilibrium_, matrix, newton_, du, times_);
@@ -225,8 +225,7 @@ int StructureStep<dim>::approach(const StructureState& state_n, std::span<const 
   prepare_matrix(state_n, dt, with_inertia);
   held_tangent_.reset();
   equilibrium_.set_history(state_n.history);
-  equilibrium_.begin_step(state_n.motion, f_ext,
-                          with_inertia ? start_forces(state_n, true) : state_n.f_int, dt,
+  equilibrium_.begin_step(state_n.motion, f_ext, start_forces(state_n, with_inertia), dt,
                           with_inertia);
   const int steps = take_full_steps(equilibrium_, K_, linear_, du);
   newton_iterations_ += steps;
@@ -273,11 +272,10 @@ void StructureStep<dim>::fill_trial(const StructureState& state_n, ExternalForce
   trial.reactions.assign(f.end.size(), 0.0);
   const bool with_inertia = dynamic_ && dt > 0;
   const std::vector<double> f_start = start_forces(state_n, with_inertia);
-  const double memory = f_start.empty() ? 0 : equilibrium_.scheme().force_memory();
+  const double memory = with_inertia ? equilibrium_.scheme().force_memory() : 0;
   for (const auto dof : conditions_.constrained_dofs()) {
     const double missing = forces.internal[dof] + forces.inertia[dof] - f.end[dof] - f.step[dof];
-    trial.reactions[dof] =
-        f_start.empty() ? missing : (missing - memory * f_start[dof]) / (1 + memory);
+    trial.reactions[dof] = memory == 0 ? missing : (missing - memory * f_start[dof]) / (1 + memory);
   }
   trial.f_ext = std::move(f.end);
   trial.f_step = std::move(f.step);
