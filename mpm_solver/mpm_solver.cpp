@@ -127,8 +127,12 @@ template <int dim>
 void MpmSolver<dim>::set_facets_as(const State& state) {
   InterfaceFacets facets = first_;
   for (const auto& interface : model_.settings.interfaces) {
-    const Json saved = state.facts.value("facets." + interface.name, Json());
-    if (saved.is_array()) facets[interface.name] = saved.get<std::vector<std::int64_t>>();
+    const auto saved = state.facts.find("facets." + interface.name);
+    if (saved == state.facts.end()) continue;
+    require(saved->is_array() && std::ranges::all_of(*saved, &Json::is_number_integer),
+            "saved state: \"facets.{}\": found {}, allowed: a list of vertices", interface.name,
+            saved->type_name());
+    facets[interface.name] = saved->template get<std::vector<std::int64_t>>();
   }
   if (!facets.empty()) set_facets(facets);
 }

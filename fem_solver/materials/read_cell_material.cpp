@@ -115,6 +115,7 @@ template <int dim>
 void read_thickness(ConfigReader& in, CellMaterial<dim>& material) {
   if (material.formulation != Formulation::solid_shell) return;
   const std::string word = in.choice("thickness");
+  material.thickness_where = in.where("thickness");
   if (word == "numbering") material.thickness = Thickness::numbering;
   if (word != "side") return;
   material.thickness = Thickness::side;

@@ -45,7 +45,7 @@ class Finder {
       return fmt::format(
           "{}: found {}, {:.4g} by {:.4g} by {:.4g} m along its axes: which is the thickness is "
           "not clear; allowed: a thickness of at most half the other two, {}",
-          material_.where, describe_cell(mesh_, ranks_, c), width[0], width[1], width[2],
+          material_.thickness_where, describe_cell(mesh_, ranks_, c), width[0], width[1], width[2],
           other_ways);
     });
     for (const int other : {(axis + 1) % 3, (axis + 2) % 3}) {
@@ -53,7 +53,7 @@ class Finder {
         return fmt::format(
             "{}: found {}, whose shortest axis leads to other cells and another one to none on "
             "both sides: which is the thickness is not clear; allowed: {}",
-            material_.where, describe_cell(mesh_, ranks_, c), other_ways);
+            material_.thickness_where, describe_cell(mesh_, ranks_, c), other_ways);
       });
     }
     return axis;
@@ -73,7 +73,8 @@ class Finder {
       return fmt::format(
           "{}: found {} with facets of \"{}\" on {} of its axes; allowed: one, across which the "
           "thickness lies",
-          material_.where, describe_cell(mesh_, ranks_, c), material_.thickness_side, count);
+          material_.thickness_where, describe_cell(mesh_, ranks_, c), material_.thickness_side,
+          count);
     });
     return found;
   }

@@ -184,6 +184,19 @@ TEST(ChangingFacets, a_restart_gives_the_same_bits) {
   expect_restart<3>();
 }
 
+/// A state whose facets are no list of vertices must not go on with those of the beginning.
+TEST(ChangingFacets, a_state_with_broken_facets_is_refused) {
+  Fall<2> fall;
+  fall.soil.set_facets({{"floor", fall.half(false)}});
+  for (const Json& broken : {Json("0 1"), Json(), Json({0, "1"}), Json({0, 0.5})}) {
+    State state = fall.soil.save_state();
+    state.facts["facets.floor"] = broken;
+    Fall<2> other;
+    expect_error<Error>([&] { other.soil.load_state(state); },
+                        {"saved state: \"facets.floor\"", "allowed: a list of vertices"});
+  }
+}
+
 TEST(ChangingFacets, what_cannot_change_is_refused) {
   Fall<2> fall;
   expect_error<Error>([&] { fall.soil.set_facets({{"floor", {0, 1, 2}}}); }, {"2 a facet"});
