@@ -29,7 +29,7 @@ namespace {
 KeyTable step_control_keys() {
   const DtByIterations defaults;
   return {"step_control",
-          "The number of coupling iterations of a step as evidence for the size of the next one.",
+          "Size of the next step by the number of coupling iterations that the last one needed.",
           {key::integer("few",
                         "dt may grow only while steps need no more iterations than this; 0: off.")
                .in(non_negative())
@@ -48,29 +48,34 @@ KeyTable coupling_keys() {
       "How a step is solved.",
       {key::choice(
            "scheme", {"serial_implicit", "parallel_implicit", "explicit"},
-           "Soil, then structure, until both agree; both at once, until they agree; or soil, "
-           "then structure, once.")
+           "`serial_implicit`: soil, then structure, until they agree; `parallel_implicit`: both "
+           "at once, until they agree; `explicit`: soil, then structure, once.")
            .or_else(name(defaults.scheme)),
-       key::integer("max_iterations", "Coupling iterations of one step.")
+       key::integer("max_iterations", "Largest number of coupling iterations in a step.")
            .in(at_least(2))
            .or_else(defaults.max_iterations),
        key::choice(
            "on_limit", {"cut", "stop", "accept"},
-           "A step that does not converge: `cut`: it is repeated with half of dt; `stop`: the "
-           "run ends; `accept`: it is accepted after `max_iterations` or when it stagnates.")
+           "What happens to a step that does not converge. `cut`: it is repeated with half of dt; "
+           "`stop`: the run ends; `accept`: it is accepted after `max_iterations` or when it "
+           "stagnates.")
            .or_else("cut"),
-       key::integer("predictor", "Order of extrapolation from accepted steps.")
+       key::integer("predictor",
+                    "Order of the extrapolation from accepted steps that gives the "
+                    "first guess of a step.")
            .in(between(0, 2))
            .or_else(defaults.predictor),
-       key::object("step_control", step_control_keys(), "Iterations as evidence for dt.")
+       key::object("step_control", step_control_keys(),
+                   "Size of the next step by the number of iterations.")
            .or_empty(),
        key::object("acceleration", acceleration_keys(), "How the next guess is made.").or_empty(),
-       key::object("convergence", convergence_keys(), "When a step is converged.")
+       key::object("convergence", convergence_keys(), "When a step has converged.")
            .when("scheme", {"serial_implicit", "parallel_implicit"}),
        key::object("convergence", convergence_keys(), "Not used.")
            .or_none()
            .when("scheme", {"explicit"}),
-       key::object("mapping", mapping_keys(), "Between the vertices of the two sides.")}};
+       key::object("mapping", mapping_keys(),
+                   "Mapping between the vertices of soil and structure.")}};
 }
 
 KeyTable participant_keys() {
@@ -90,11 +95,11 @@ KeyTable participant_keys() {
 KeyTable interface_keys() {
   return {"interface",
           "A surface that a soil and a structure share.",
-          {key::plain_name("By which both participants know it; its own."),
+          {key::plain_name("Name by which both participants know it; each interface has its own."),
            key::text("soil", "Participant that sends force."),
            key::text("structure", "Participant that sends displacement."),
            key::vector("moment_about", "m",
-                       "Place about which steps.csv gives the moment on the structure, such as its "
+                       "Point about which steps.csv gives the moment on the structure, such as its "
                        "foot; none: the origin.")
                .or_none()}};
 }
@@ -223,15 +228,16 @@ std::vector<InterfaceSettings> read_interfaces(ConfigReader& in,
 }  // namespace
 
 KeyTable coupler_keys() {
-  return {"coupler",
-          "Settings of the coupler and of the run.",
-          {key::schema(), key::object("time", time_keys(), "Steps of the run."),
-           key::object("output", output_keys(), "Frames of the run."),
-           key::object("checkpoint", checkpoint_keys(), "Checkpoints of the run.").or_empty(),
-           key::named_objects("participants", participant_keys(), "Who takes part, by name."),
-           key::objects("interfaces", interface_keys(), "Surfaces that are coupled.").not_empty(),
-           key::object("coupling", coupling_keys(), "How a step is solved."),
-           key::object("protocol", server_keys(), "The wire between the programs.").or_empty()}};
+  return {
+      "coupler",
+      "Settings of the coupler and of the run.",
+      {key::schema(), key::object("time", time_keys(), "Steps of the run."),
+       key::object("output", output_keys(), "Frames of the run."),
+       key::object("checkpoint", checkpoint_keys(), "Checkpoints of the run.").or_empty(),
+       key::named_objects("participants", participant_keys(), "Programs that take part, by name."),
+       key::objects("interfaces", interface_keys(), "Surfaces that are coupled.").not_empty(),
+       key::object("coupling", coupling_keys(), "How a step is solved."),
+       key::object("protocol", server_keys(), "Connection between the programs.").or_empty()}};
 }
 
 CouplerSettings read_coupler_settings(ConfigReader in) {

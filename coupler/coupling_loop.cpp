@@ -13,7 +13,7 @@ namespace gabion {
 
 namespace {
 
-std::vector<std::string> interface_names(const CouplerSettings& settings) {
+std::vector<std::string> names_of_interfaces(const CouplerSettings& settings) {
   std::vector<std::string> names;
   for (const auto& interface : settings.interfaces) names.push_back(interface.name);
   return names;
@@ -31,7 +31,7 @@ CouplingLoop::CouplingLoop(const CouplerSettings& settings,
     : settings_(settings),
       files_(files),
       sides_(settings_, participants, phases_),
-      record_(files, sides_.map().dim(), interface_names(settings)),
+      record_(files, sides_.map().dim(), names_of_interfaces(settings)),
       step_(settings_.coupling, sides_, record_, counts_, phases_),
       steps_(settings.time),
       checkpoints_(

@@ -2,5 +2,6 @@
 #include "coupler/run_coupler.hpp"
 
 int main(int argc, char** argv) {
-  return gabion::run_program(argc, argv, "coupler", gabion::run_coupler);
+  return gabion::run_program(argc, argv, "coupler", gabion::describe_coupler_keys,
+                             gabion::run_coupler);
 }

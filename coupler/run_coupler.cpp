@@ -168,7 +168,9 @@ void check_one(const CouplerSettings& settings, const Scene& scene, const Progra
         server.finish();
       }};
   const bool passed = all_passed(check_participant(*solvers.at(name), check));
-  if (!passed) throw CheckFailed(fmt::format("participant \"{}\" would spoil a coupled run", name));
+  if (!passed)
+    throw CheckFailed(
+        fmt::format("participant \"{}\" failed a check and would spoil a coupled run", name));
 }
 
 /// Whether all participants save their states; if not, says who does not.
@@ -226,12 +228,13 @@ void couple(Server& server, const CoupledRun& run, RunRecord& files) {
 
 }  // namespace
 
+void describe_coupler_keys(const std::string& form) {
+  describe_keys(coupler_keys(), "coupler.json", form);
+}
+
 void run_coupler(const ProgramOptions& options, const MpiSession& session) {
   require<ConfigError>(session.size() == 1, "coupler: launched with {} processes, allowed: 1",
                        session.size());
-  if (!options.describe_keys.empty()) {
-    return describe_keys(coupler_keys(), "coupler.json", options.describe_keys);
-  }
   if (!options.make_keys.empty()) {
     make_keys(options.make_keys);
     log::info("wrote {0} (secret: keep it) and {0}.pub (public: give it away)", options.make_keys);

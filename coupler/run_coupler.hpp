@@ -11,6 +11,10 @@ namespace gabion {
 std::vector<Expected> expected_participants(const CouplerSettings& settings,
                                             const std::string& scene_hash);
 
+/// Print the keys of coupler.json. @param form  "markdown" or "schema"
+/// @throws ConfigError  another form
+void describe_coupler_keys(const std::string& form);
+
 /// The coupler as a program: read the scene, prepare the folder of results, listen, give the
 /// endpoint to all programs of the launch, wait for the participants, run the coupling loop.
 ///

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "common/base/require.hpp"
+#include "common/mechanics/materials/cam_clay_memory.hpp"
+#include "common/mechanics/materials/spectral.hpp"
 #include "common/mechanics/tensor_functions.hpp"
 
 namespace gabion::element {
@@ -69,6 +71,23 @@ ElementState ElementPoint::start() const {
   }
   state.pore_pressure = settings_.back_pressure;
   return state;
+}
+
+void ElementPoint::consolidate(double ocr, ElementState& state) const {
+  const auto* law = std::get_if<CamClay<3>>(&settings_.material.law);
+  if (law == nullptr) return;
+  const CamClayParameters& clay = law->parameters();
+  const Eigen::Vector3d tau = state.tau.head<3>();
+  const double mean = tau.mean(), P = clay.attraction - mean, mu = clay.shear_modulus_at(P);
+  require<ConvergenceError>(state.tau.tail<3>().norm() < 1e-9 * P,
+                            "ocr: found shear stresses at the end of the stage, allowed: none");
+  const Eigen::Vector3d deviator = tau.array() - mean;
+  for (int i = 0; i < 3; ++i) {
+    state.history.e[i] = strain_from_hencky(clay.strain_at(P) / 3 + deviator[i] / (2 * mu));
+  }
+  state.history.e.tail<3>().setZero();
+  state.internal = cam_clay_memory(clay, P, clay.attraction - ocr * mean,
+                                   ocr * std::sqrt(1.5) * deviator.norm());
 }
 
 std::string ElementPoint::add_water(const PoreState& pores, const Trial& trial,

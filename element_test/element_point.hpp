@@ -63,6 +63,10 @@ class ElementPoint {
   std::string answer(const ElementState& from, const PoreState& pores, const Trial& trial,
                      Response& response) const;
 
+  /// Give a clay the memory that `initial_stress` of a run gives it under the present stress.
+  /// @throws ConvergenceError  there are shear stresses
+  void consolidate(double ocr, ElementState& state) const;
+
   /// lambda + 2 mu of the virgin soil [Pa].
   double stiffness() const;
 

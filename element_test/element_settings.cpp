@@ -32,24 +32,24 @@ KeyTable component_keys(const std::string& name, const std::string& unit,
 KeyTable stage_keys() {
   return {
       "stage",
-      "Part of a test. What it names goes linearly from where it is to the value here; components "
-      "that are not named keep their strain.",
-      {key::plain_name("Its own, for the table."),
+      "Part of a test. Components that it names go linearly from their present value to the one "
+      "here; the others keep their strain.",
+      {key::plain_name("Unique name, for the table."),
        key::boolean("zero_strain",
-                    "Whether strains count from the start of this stage on, in the stages after it "
-                    "too; else from where they did before.")
+                    "Whether strains are counted from the start of this stage, in later stages "
+                    "too; else as before.")
            .or_else(false),
        key::object("strain",
                    component_keys("strain", "",
-                                  "Changes of length over the length where strains are zero, "
-                                  "compression positive; angles of shear."),
+                                  "Changes of length over the length at zero strain, compression "
+                                  "positive; shear angles."),
                    "Strains at the end.")
            .or_empty(),
        key::object(
            "stress",
            component_keys("stress", "Pa",
-                          "Total Cauchy stresses, compression positive; the soil bears them "
-                          "less the pore pressure."),
+                          "Total Cauchy stresses, compression positive; the effective stress is "
+                          "the total stress less the pore pressure."),
            "Stresses at the end.")
            .or_empty(),
        key::number("mean_stress", "Pa", "Mean of the total normal stresses at the end.").or_none(),
@@ -62,11 +62,19 @@ KeyTable stage_keys() {
                    "`drained`: the pore pressure goes to `back_pressure`; `undrained`: the water "
                    "stays, compressible with `water`, else the volume is kept.")
            .or_else("drained"),
-       key::integer("increments", "Rows of the table.").in(between(1, 1000000)).or_else(100),
+       key::integer("increments", "Number of rows of the table.")
+           .in(between(1, 1000000))
+           .or_else(100),
        key::number("duration", "s", "Time that the stage takes.")
            .in(positive())
            .or_none()
-           .only("required where the law depends on time")}};
+           .only("required where the law depends on time"),
+       key::number("ocr", "",
+                   "Over-consolidation ratio at the end of the stage. The clay then has the memory "
+                   "that `initial_stress` of a run gives it under this stress, whatever came "
+                   "before: preconsolidation and shear modulus. Other laws have none; then 1.")
+           .in(at_least(1))
+           .or_none()}};
 }
 
 KeyTable tested_body_keys() {
@@ -94,7 +102,8 @@ void require_once(const ConfigReader& in, const StageSettings& stage) {
     if (int(stage.strain[k].has_value()) + int(stage.stress[k].has_value()) + int(moved) < 2)
       continue;
     in.fail(moved ? "moved_by" : "stress/" + component_names[k],
-            fmt::format("found \"{}\" led twice, allowed: one of strain, stress and moved_by",
+            fmt::format("found \"{}\" prescribed twice, allowed: one of strain, stress and "
+                        "moved_by",
                         component_names[k]));
   }
 }
@@ -115,7 +124,8 @@ void read_mean_stress(ConfigReader& in, StageSettings& stage) {
   }
   std::ranges::sort(stage.moved);
   if (stage.moved.empty() || std::ranges::adjacent_find(stage.moved) != stage.moved.end()) {
-    in.fail("moved_by", "found none or one twice, allowed: one to three of xx, yy, zz");
+    in.fail("moved_by",
+            "found an empty list or a component twice, allowed: one to three of xx, yy, zz");
   }
 }
 
@@ -130,6 +140,12 @@ StageSettings read_stage(ConfigReader& in, const ElementSettings& test) {
   stage.undrained = in.choice("drainage") == "undrained";
   stage.increments = in.integer("increments");
   stage.duration = in.optional_number("duration");
+  stage.ocr = in.optional_number("ocr");
+  if (stage.ocr.value_or(1) != 1 && !std::holds_alternative<CamClay<3>>(test.material.law)) {
+    in.fail("ocr", fmt::format("found {} with the law {}, which does not remember its "
+                               "consolidation, allowed: 1, or the law cam_clay",
+                               *stage.ocr, test.material.law_name));
+  }
   const bool led_by_stress =
       stage.mean_stress || std::ranges::any_of(stage.stress, &std::optional<double>::has_value);
   if (stage.undrained && !test.water && !led_by_stress) {

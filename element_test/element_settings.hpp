@@ -32,6 +32,9 @@ struct StageSettings {
   bool undrained = false;
   int increments = 100;
   std::optional<double> duration;  ///< [s]; none: the law knows no time
+  /// Over-consolidation ratio that soil with a memory of its consolidation has at the end; none: as
+  /// the stages have left it.
+  std::optional<double> ocr;
 };
 
 /// element.json, with the material of a scene if there is one.

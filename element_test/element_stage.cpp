@@ -180,8 +180,8 @@ class Step {
     return fmt::format(
         "no equilibrium in {} iterations of Newton's method, residual {:.2g}, allowed {:.2g}{}",
         max_iterations, norm(), controls_.tolerance(response_.state),
-        is_singular_ ? "; the stiffness of the law is singular under what is led, such as at the "
-                       "limit load: lead a strain instead of the stress"
+        is_singular_ ? "; the stiffness of the law is singular under the prescribed components, as "
+                       "at a limit load: prescribe a strain instead of the stress"
                      : "");
   }
 
@@ -266,6 +266,7 @@ void follow_stage(const ElementSettings& settings, const StageSettings& stage, E
     }
     report(state, effort);
   }
+  if (stage.ocr) point.consolidate(*stage.ocr, state);
 }
 
 }  // namespace gabion::element

@@ -9,7 +9,7 @@
 int main(int argc, char** argv) {
   using namespace gabion;
   element::ElementOptions options;
-  CLI::App app("Takes one element of a soil through a test of the laboratory.", "element_test");
+  CLI::App app("Computes a laboratory test on one element of a soil.", "element_test");
   app.add_option("test", options.test, "Stages of the test, element.json")->type_name("TEST");
   app.add_option("--output", options.output, "Table that is written")->type_name("FILE.csv");
   app.add_option("--scene", options.scene, "Scene whose mpm.json has the material")

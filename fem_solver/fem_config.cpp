@@ -16,6 +16,7 @@
 #include "common/mechanics/mesh/seen_facets.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "common/settings/plausible.hpp"
+#include "fem_solver/motion_settings.hpp"
 #include "fem_solver/nodal_settings.hpp"
 #include "fem_solver/ranks/divide_mesh.hpp"
 #include "fem_solver/supports/embedded_lines.hpp"
@@ -230,7 +231,7 @@ void read_conditions(ConfigReader& in, FemSettings<dim>& s) {
   together<ConfigError>(s.ranks.comm(), [&] { require_distinct_facets(in, s); });
   if (s.initial_equilibrium || !s.dynamic) require_support(in, s);
   if (s.supports.empty() && s.prescribed.empty() && s.springs.empty()) {
-    log::warn("{}: none, and nothing is prescribed: the structure moves freely",
+    log::warn("{}: found no supports and nothing prescribed: the structure moves freely",
               in.where("supports"));
   }
 }
@@ -285,22 +286,6 @@ int read_dimension(ConfigReader& in) {
   return in.integer("dimension");
 }
 
-template <int dim>
-void read_motion(ConfigReader& in, MotionSettings<dim>& s) {
-  s.dynamic = in.choice("analysis") == "dynamic";
-  if (s.dynamic) {
-    s.time_integration = read_newmark_bossak(in.object("time_integration"));
-    s.initial_velocity = read_vector<dim>(in, "initial_velocity");
-  }
-  for (const char* key : {"time_integration", "initial_velocity"}) {
-    if (!s.dynamic && in.has(key)) in.fail(key, "has no meaning when \"analysis\" is \"static\"");
-  }
-  s.initial_equilibrium = in.boolean("initial_equilibrium");
-  if (s.initial_equilibrium && !s.initial_velocity.isZero(0)) {
-    in.fail("initial_velocity", "must be zero when \"initial_equilibrium\" is true");
-  }
-}
-
 WetSurfaceSettings read_interface(ConfigReader in, const std::string& surface) {
   WetSurfaceSettings s;
   s.name = in.name("name");
@@ -345,8 +330,8 @@ RankedMesh<dim> read_mesh_with_lines(const Scene& scene, ConfigReader& in,
   const std::int32_t num_cells = ranked.ranks.num_cells_of_all(ranked.mesh);
   if (s.materials.empty() && num_cells > 0) {
     in.fail("materials",
-            fmt::format("found materials of lines only, and a mesh of {} cells of type "
-                        "{}, allowed: a material for each cell",
+            fmt::format("found materials of lines only, with a mesh of {} cells of type {}, "
+                        "allowed: a material for each cell",
                         num_cells, name(ranked.mesh.cell_type)));
   }
   return ranked;
@@ -364,7 +349,7 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
   s.ranks = std::move(ranked.ranks);
   add_rotation_nodes(in, s);
   s.gravity = read_vector<dim>(in, "gravity");
-  read_motion<dim>(in, s);
+  read_motion_with_lines(in, s);
   if (s.dynamic) s.lumped_mass = in.choice("mass") == "lumped";
   if (!s.dynamic && in.has("mass")) {
     in.fail("mass", "has no meaning when \"analysis\" is \"static\"");
@@ -385,8 +370,6 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
   return s;
 }
 
-template void read_motion<2>(ConfigReader&, MotionSettings<2>&);
-template void read_motion<3>(ConfigReader&, MotionSettings<3>&);
 template std::vector<ProbeSettings<2>> read_probes<2>(ConfigReader&);
 template std::vector<ProbeSettings<3>> read_probes<3>(ConfigReader&);
 template FemSettings<2> read_fem_settings<2>(const Scene&, ConfigReader&, MPI_Comm);

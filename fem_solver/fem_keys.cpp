@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "fem_solver/fem_config.hpp"
 #include "fem_solver/matrices/matrix_settings.hpp"
+#include "fem_solver/step/static_newton.hpp"
 #include "solver_program/solver_program.hpp"
 
 namespace gabion::fem {
@@ -9,7 +14,7 @@ namespace {
 
 const std::vector<std::string> all_components = {component_names, component_names + 3};
 constexpr const char* factor_sentence =
-    "Rows [t, factor], linear between rows and held before and after; none: factor 1.";
+    "Rows [t, factor], linear between rows and constant before and after; none: factor 1.";
 
 Key group_key(const std::string& sentence) {
   return key::text("group", sentence);
@@ -17,7 +22,7 @@ Key group_key(const std::string& sentence) {
 
 KeyTable support_keys() {
   return {"support",
-          "Nodes that do not move. A component of a group is fixed once.",
+          "Nodes that do not move. Each component of a group is fixed once at most.",
           {group_key("Group of facets or points whose nodes are held."),
            key::texts("components", "Components of the displacement that are zero.")
                .among(all_components)
@@ -30,9 +35,9 @@ KeyTable support_keys() {
            key::boolean("report_reaction", "Adds the columns reaction_GROUP_x, ... to the probes.")
                .or_else(SupportSettings{}.report_reaction),
            key::boolean("report_moment",
-                        "Adds the columns moment_GROUP_z, in 3D moment_GROUP_x, ...: of the "
-                        "reactions, at their present places, about the centre of the group's "
-                        "facets, or points, before loading.")
+                        "Adds the columns moment_GROUP_z, in 3D moment_GROUP_x, ...: moment of the "
+                        "reactions at their present places, about the centre of the group's facets "
+                        "or points before loading.")
                .or_else(SupportSettings{}.report_moment)}};
 }
 
@@ -43,7 +48,7 @@ KeyTable prescribed_keys() {
            key::choice("component", all_components, "Component of the displacement."),
            key::number("rate", "m/s", "The displacement is this times t.").or_none(),
            time_table_key(
-               "m", "Rows [t, displacement], linear between rows and held before and after.")},
+               "m", "Rows [t, displacement], linear between rows and constant before and after.")},
           {"rate", "table"}};
 }
 
@@ -55,7 +60,8 @@ KeyTable load_keys() {
        group_key("Group of facets or points whose nodes share the force.").or_none(),
        key::vector("force", "N", "The resultant; in 2D per metre of thickness."),
        key::vector("moment", "N m",
-                   "On nodes of beams, about fixed axes, the sum; in 2D one number, about z.")
+                   "Sum of the moments on nodes of beams, about fixed axes; in 2D one number, "
+                   "about z.")
            .wide(1, 3)
            .or_none(),
        time_table_key("", factor_sentence)},
@@ -68,13 +74,34 @@ std::vector<Key> place_keys(const std::string& group_sentence) {
       group_key(group_sentence).or_none()};
 }
 
+KeyTable time_integration_keys() {
+  KeyTable table = newmark_keys("newmark");
+  table.keys.front() = table.keys.front().or_computed(
+      "`newmark`; with cables, brakes or concrete and without damping `generalized_alpha` with "
+      "`rho_inf` 0");
+  Key rho_inf = *std::ranges::find(table.keys, "rho_inf", &Key::name);
+  rho_inf.conditions.clear();
+  table.keys.push_back(rho_inf.or_computed("0 with cables, brakes or concrete").without("scheme"));
+  return table;
+}
+
+KeyTable structure_newton_keys() {
+  KeyTable table = newton_keys(newton_defaults);
+  const auto limit = std::ranges::find(table.keys, "max_iterations", &Key::name);
+  limit->sentence += fmt::format(
+      " Without inertia a structure with cables or brakes takes {} times as many: slack lines find "
+      "their shape slowly.",
+      slack_iterations);
+  return table;
+}
+
 KeyTable point_mass_keys() {
   KeyTable table{"point_mass",
                  "A mass at the node at a point, or in equal parts at the nodes of a group.",
                  place_keys("Group of facets or points whose nodes share the mass."),
                  {"point", "group"}};
   table.keys.push_back(
-      key::number("mass", "kg", "The sum; in 2D per metre of thickness.").in(positive()));
+      key::number("mass", "kg", "Total mass; in 2D per metre of thickness.").in(positive()));
   return table;
 }
 
@@ -86,7 +113,7 @@ KeyTable spring_keys() {
                  {"point", "group"}};
   table.keys.push_back(
       key::vector("stiffness", "N/m",
-                  "Along each axis, the sum; in 2D per metre of thickness; 0: none.")
+                  "Total along each axis, 0 for none; in 2D per metre of thickness.")
           .in(non_negative()));
   return table;
 }
@@ -94,13 +121,13 @@ KeyTable spring_keys() {
 KeyTable dashpot_keys() {
   KeyTable table{"dashpot",
                  "A linear dashpot from the node at a point to the ground, or in equal parts from "
-                 "the nodes of a group; in a dynamic analysis, of coupled structures with the "
-                 "scheme `newmark`.",
+                 "the nodes of a group; in a dynamic analysis only, in coupled structures with the "
+                 "scheme `newmark` only.",
                  place_keys("Group of facets or points whose nodes share the damping."),
                  {"point", "group"}};
   table.keys.push_back(
       key::vector("damping", "N s/m",
-                  "Along each axis, the sum; in 2D per metre of thickness; 0: none.")
+                  "Total along each axis, 0 for none; in 2D per metre of thickness.")
           .in(non_negative()));
   return table;
 }
@@ -115,16 +142,16 @@ KeyTable traction_keys() {
 
 KeyTable rigid_link_keys() {
   return {"rigid_link",
-          "Nodes that a node of beams takes with it as a rigid body: a beam that is clamped in "
-          "cells, an end plate.",
-          {key::text("beam", "Group of points: the one node of beams."),
-           group_key("Group of facets or points whose nodes it takes along.")}};
+          "Nodes that move with one node of a beam as a rigid body, such as those where it is "
+          "clamped in cells, or of an end plate.",
+          {key::text("beam", "Group of one point: the node of the beam."),
+           group_key("Group of facets or points whose nodes move with it.")}};
 }
 
 KeyTable interface_keys() {
   return {
       "interface",
-      "A wet surface that the coupler couples; no facet belongs to two, or twice to one.",
+      "A wet surface that the coupler couples; each facet belongs to one surface only, and once.",
       {key::plain_name("As in coupler.json."),
        key::texts("groups", "Facet groups of the surface.").not_empty().or_none(),
        key::text("facets",
@@ -132,13 +159,14 @@ KeyTable interface_keys() {
                  "with `matrices`.")
            .or_none(),
        key::texts("beams",
-                  "Groups of beams; the surface is the outline of their section along them, of "
-                  "circles and pipes an octagon, in 2D the sides at half the height.")
+                  "Groups of beams. The surface is the outline of their cross-section along them: "
+                  "of circles and pipes an octagon, in 2D the two sides at half the height.")
            .not_empty()
            .or_none(),
        key::texts("behind",
-                  "Groups of cells, or `all`: when such a cell is gone its facets leave the "
-                  "surface, and faces behind it are wet. The soil's `surface` has the same.")
+                  "Groups of cells that may fail, or `all`. When such a cell is gone, its facets "
+                  "leave the surface and faces behind it become wet. The soil's `surface` names "
+                  "the same groups.")
            .not_empty()
            .or_none()},
       {"groups", "facets", "beams"}};
@@ -148,55 +176,57 @@ KeyTable probe_keys() {
   return {"probe",
           "A point whose displacement is reported: that of the node there, or interpolated in the "
           "cell.",
-          {key::plain_name("Its own; columns of the tables start with it."),
-           key::vector("point", "m", "In the reference configuration.")}};
+          {key::plain_name("Unique name; columns of the tables start with it."),
+           key::vector("point", "m", "Place in the reference configuration.")}};
 }
 
 std::vector<Key> model_keys() {
   const std::vector<std::string> dynamic = {"dynamic"};
   return {
-      key::integer("dimension", "Of space; 2 is plane strain.").in(between(2, 3)),
+      key::integer("dimension", "Dimension of space; 2 is plane strain.").in(between(2, 3)),
       key::object("mesh", mesh_keys(), "Mesh of the structure.").without("matrices"),
-      key::object("material", cell_material_keys(), "Of all cells.")
+      key::object("material", cell_material_keys(), "Material of all cells.")
           .without("matrices")
           .without("materials"),
       key::objects("materials", group_material_keys(),
-                   "Each of a group of cells or lines, in place of `material`; each cell is in one "
-                   "of the groups.")
+                   "Materials by groups of cells or lines, in place of `material`; each cell is in "
+                   "one of the groups.")
           .or_none()
           .without("matrices"),
       key::object("matrices", matrix_keys(), "The structure as matrices, in place of a mesh.")
           .or_none(),
       key::choice("analysis", {"dynamic", "static"}, "`static`: without inertia.")
           .or_else("dynamic"),
-      key::object("time_integration", newmark_keys("newmark"), "Scheme of the dynamic analysis.")
+      key::object("time_integration", time_integration_keys(), "Scheme of the dynamic analysis.")
           .or_empty()
           .when("analysis", dynamic),
       key::choice("mass", {"consistent", "lumped"},
                   "`lumped`: row sums of the consistent mass matrix; of quadratic cells in "
-                  "proportion to its diagonal.")
+                  "proportion to its diagonal. Cables and brakes are always lumped.")
           .or_else("consistent")
           .when("analysis", dynamic)
           .without("matrices"),
       key::vector("gravity", "m/s^2", "Acceleration on all cells.").or_else(0).without("matrices"),
       key::vector("initial_velocity", "m/s",
-                  "Of all free components; zero with `initial_equilibrium`.")
+                  "Initial velocity of all free components; zero with `initial_equilibrium`.")
           .or_else(0)
           .when("analysis", dynamic),
       key::boolean("initial_equilibrium",
-                   "Start at rest under gravity and the loads at time 0; needs `supports` or "
-                   "`prescribed` in every direction.")
+                   "Whether the run starts at rest, in equilibrium with gravity and the loads at "
+                   "time 0; needs `supports` or `prescribed` in every direction.")
           .or_else(MotionSettings<2>{}.initial_equilibrium)};
 }
 
 std::vector<Key> condition_keys() {
   return {
       key::objects("supports", support_keys(),
-                   "Held nodes; in statics and with `initial_equilibrium` in every direction, or "
-                   "`prescribed`.")
+                   "Nodes that do not move. In statics and with `initial_equilibrium`, `supports` "
+                   "or `prescribed` are needed in every direction.")
           .or_empty()
           .without("matrices"),
-      key::objects("prescribed", prescribed_keys(), "Moved nodes.").or_empty().without("matrices"),
+      key::objects("prescribed", prescribed_keys(), "Nodes with a given displacement.")
+          .or_empty()
+          .without("matrices"),
       key::objects("loads", load_keys(), "Forces.").or_empty().without("matrices"),
       key::objects("point_masses", point_mass_keys(), "Masses at nodes.")
           .or_empty()
@@ -208,18 +238,18 @@ std::vector<Key> condition_keys() {
           .or_empty()
           .without("matrices"),
       key::objects("tractions", traction_keys(), "Forces per area.").or_empty().without("matrices"),
-      key::objects("rigid_links", rigid_link_keys(), "Nodes that beams take along.")
+      key::objects("rigid_links", rigid_link_keys(), "Rigid links of nodes to beams.")
           .or_empty()
           .without("matrices"),
       key::objects("interfaces", interface_keys(), "Coupled surfaces.").or_empty(),
-      key::objects("probes", probe_keys(), "Reported points.").or_empty(),
+      key::objects("probes", probe_keys(), "Points whose displacement is reported.").or_empty(),
       key::objects("sections", section_keys(), "Planes whose force and moment are reported.")
           .or_empty()
           .without("matrices"),
-      key::object("newton", newton_keys(newton_defaults), "Newton's method.")
+      key::object("newton", structure_newton_keys(), "Newton's method.")
           .or_empty()
           .without("matrices"),
-      key::object("linear_solver", linear_solver_keys(), "Linear systems.")
+      key::object("linear_solver", linear_solver_keys(), "Solution of the linear systems.")
           .or_empty()
           .without("matrices")};
 }

@@ -22,7 +22,8 @@ FemSolver<dim>::FemSolver(MPI_Comm comm, FemSettings<dim> settings,
       changing_(settings_, wet_surfaces_),
       step_(settings_, comm),
       report_(settings_, step_, output_folder),
-      state_(step_.initial_state()) {}
+      state_(step_.initial_state()),
+      period_check_(settings_) {}
 
 template <int dim>
 void FemSolver<dim>::set_motion(std::vector<double> u, std::vector<double> v) {
@@ -114,6 +115,7 @@ AcceptReport FemSolver<dim>::accept_step(const StepRequest& request, bool solved
   if (solved) {
     require(trial_.has_value(), "step {}: accepted without a solution", request.step);
     step_.complete(state_, request.dt, *trial_);
+    period_check_.look_at(step_, *trial_, request.dt);
     const WidestCrack earlier = state_.widest_crack;
     state_ = std::move(*trial_);
     state_.widest_crack = earlier;

@@ -16,6 +16,7 @@
 #include "fem_solver/interface/changing_surfaces.hpp"
 #include "fem_solver/interface/wet_surfaces.hpp"
 #include "fem_solver/report/structure_report.hpp"
+#include "fem_solver/step/first_period.hpp"
 #include "fem_solver/step/structure_step.hpp"
 
 namespace gabion::fem {
@@ -75,6 +76,7 @@ class FemSolver final : public Solver, public DisplacedAtStart, public ChangesFa
   std::optional<StructureState> trial_;
   RepeatedFailure failures_;  // of static steps
   RotationWarning rotation_;
+  FirstPeriodCheck<dim> period_check_;
   bool warned_of_wet_failure_ = false;
 };
 

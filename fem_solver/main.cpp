@@ -3,5 +3,5 @@
 #include "fem_solver/run_fem.hpp"
 
 int main(int argc, char** argv) {
-  return gabion::run_program(argc, argv, "fem_solver", gabion::run_fem);
+  return gabion::run_program(argc, argv, "fem_solver", gabion::describe_fem_keys, gabion::run_fem);
 }

@@ -4,6 +4,7 @@
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/petsc/petsc_session.hpp"
+#include "common/settings/describe_keys.hpp"
 #include "fem_solver/fem_config.hpp"
 #include "fem_solver/fem_solver.hpp"
 #include "fem_solver/matrices/matrix_solver.hpp"
@@ -59,6 +60,10 @@ std::unique_ptr<Solver> make_fem_solver(const Scene& scene, ConfigReader& in, MP
                                         const std::string& output_folder, AloneSettings* alone) {
   return fem::read_dimension(in) == 2 ? make_solver<2>(scene, in, comm, output_folder, alone)
                                       : make_solver<3>(scene, in, comm, output_folder, alone);
+}
+
+void describe_fem_keys(const std::string& form) {
+  describe_keys(fem::fem_keys(), "fem.json", form);
 }
 
 void run_fem(const ProgramOptions& options, const MpiSession& session) {

@@ -11,6 +11,10 @@ namespace gabion {
 std::unique_ptr<Solver> make_fem_solver(const Scene& scene, ConfigReader& in, MPI_Comm comm,
                                         const std::string& output_folder, AloneSettings* alone);
 
+/// Print the keys of fem.json. @param form  "markdown" or "schema"
+/// @throws ConfigError  another form
+void describe_fem_keys(const std::string& form);
+
 /// The program fem_solver. @note Collective over session.comm().
 void run_fem(const ProgramOptions& options, const MpiSession& session);
 

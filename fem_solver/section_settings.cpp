@@ -6,12 +6,13 @@ namespace gabion::fem {
 KeyTable section_keys() {
   return {
       "section",
-      "A plane across the structure, before loading, on which it reports the force and moment "
-      "between its parts.",
-      {key::plain_name("Its own; columns of the tables start with it."),
-       key::vector("point", "m", "In the plane; moments are about it."),
+      "A plane through the structure before loading. The force and moment between the parts of the "
+      "structure there are reported.",
+      {key::plain_name("Unique name; columns of the tables start with it."),
+       key::vector("point", "m", "Point of the plane, about which moments are given."),
        key::vector("normal", "",
-                   "Of the plane, any length; the normal force is along it, tension positive.")}};
+                   "Normal of the plane, of any length; the normal force is along it, tension "
+                   "positive.")}};
 }
 
 template <int dim>

@@ -25,7 +25,7 @@ INTERVAL = 0.5  # [s] between looks
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a run is: simulated time and its end [s] (NaN: not known yet), accepted steps, what has come of it."""
+    """Progress of a run: simulated time and its end [s] (NaN: not known yet), accepted steps, what has come of it."""
 
     time: float
     end: float
@@ -51,7 +51,7 @@ def progress_of(run: Run) -> Progress:
 
 
 def follow(folder: str | Path, interval: float = INTERVAL) -> Iterator[Progress]:
-    """How far the run with these results is, every `interval` seconds until it ends; whoever started it.
+    """Progress of the run with these results, every `interval` seconds until it ends; whoever started it.
 
     @raises plotting.results.ResultsError  no such folder
     """
@@ -97,7 +97,7 @@ class Job:
         return os.pread(self._log, size, 0).decode(errors="replace")
 
     def progress(self) -> Progress:
-        """How far it is now. Before its first step, also while programs are built, time 0."""
+        """Its progress now. Before its first step, also while programs are built, time 0."""
         has_ended = not self.is_running  # before the look: what it leaves is there when it ends
         if self._run is None and self._mark() not in (None, self._before):
             self._run = Run(self.output)
@@ -107,7 +107,7 @@ class Job:
         return now
 
     def follow(self, interval: float = INTERVAL) -> Iterator[Progress]:
-        """How far it is, every `interval` seconds until it ends."""
+        """Its progress, every `interval` seconds until it ends."""
         while self.is_running:
             yield self.progress()
             try:

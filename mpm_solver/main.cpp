@@ -3,5 +3,5 @@
 #include "mpm_solver/run_mpm.hpp"
 
 int main(int argc, char** argv) {
-  return gabion::run_program(argc, argv, "mpm_solver", gabion::run_mpm);
+  return gabion::run_program(argc, argv, "mpm_solver", gabion::describe_mpm_keys, gabion::run_mpm);
 }

@@ -98,9 +98,8 @@ Basis read_basis(ConfigReader& in, const BackgroundGrid<dim>& grid,
   const bool fills = in_rows && other == layouts.end();
   if (in_rows && !fills && !in.has("basis")) {
     log::warn(
-        "{}: linear, since cells of /bodies/{}/mesh are no boxes or columns along the axes, which "
-        "domains of \"gimp\" would fill; linear functions lose volume in tall flows "
-        "(docs/guide.md)",
+        "{}: linear, because cells of /bodies/{}/mesh are not boxes or columns along the axes, as "
+        "\"gimp\" needs; linear functions lose volume in tall flows (docs/guide.md)",
         in.where("basis"), other - layouts.begin());
   }
   const std::string name = in.choice_or("basis", fills ? "gimp" : "linear");
@@ -186,7 +185,7 @@ void read_bodies(const Scene& scene, ConfigReader& in, MpmSettings<dim>& setting
       item.fail(
           "initial_stress",
           "found none with the law cam_clay, allowed: \"initial_stress\" of level ground; this "
-          "soil has no stiffness and no strength without pressure");
+          "soil has neither stiffness nor strength without pressure");
     }
     if (auto average = item.optional_object("softening_average")) {
       settings.softening_averages.resize(items.size());

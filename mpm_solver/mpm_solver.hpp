@@ -31,7 +31,7 @@ class MpmSolver final : public Solver, public TakesFacets {
     return state_.surfaces.interface_meshes();
   }
   std::vector<std::string> probe_names() const override { return report_.probe_names(); }
-  /// With contact by facets alone, and without boulders, which know interfaces by their facets.
+  /// True with contact by facets alone and without boulders, which know interfaces by their facets.
   bool takes_facets() const override;
   void set_facets(const InterfaceFacets& facets) override;
   StepReport solve_step(const StepRequest& request, const InterfaceValues& received,

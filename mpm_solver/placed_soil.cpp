@@ -102,7 +102,7 @@ void PlacedSoil<dim>::place(InterfaceValues start) {
     soil_ = std::make_unique<MpmSolver<dim>>(comm_, std::move(placed), output_folder_);
   } catch (const ConfigError& problem) {
     throw ConfigError(fmt::format(
-        "{}; interfaces are where the structure starts, which is displaced from where they are in "
+        "{}; interfaces are where the structure starts, which is displaced from their place in "
         "mpm.json: {}",
         problem.what(), text_of(start_)));
   }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/cores.hpp"
+#include "common/settings/describe_keys.hpp"
 #include "mpm_solver/checks/varying_values.hpp"
 #include "mpm_solver/mpm_config.hpp"
 #include "mpm_solver/mpm_solver.hpp"
@@ -91,6 +92,10 @@ std::unique_ptr<Solver> make_mpm_solver(const Scene& scene, ConfigReader& in, MP
                                         const std::string& output_folder, AloneSettings* alone) {
   return in.integer("dimension") == 2 ? make_solver<2>(scene, in, comm, output_folder, alone)
                                       : make_solver<3>(scene, in, comm, output_folder, alone);
+}
+
+void describe_mpm_keys(const std::string& form) {
+  describe_keys(mpm::mpm_keys(), "mpm.json", form);
 }
 
 void run_mpm(const ProgramOptions& options, const MpiSession& session) {

@@ -205,6 +205,38 @@ gabion_status gabion_on_set_start(gabion_participant* p,
   });
 }
 
+gabion_status gabion_set_facets_may_change(gabion_participant* p, const char* interface_name) {
+  return call(p, [&](gabion::Participant& participant) {
+    require_given(interface_name, "interface name");
+    participant.set_facets_may_change(interface_name);
+  });
+}
+
+gabion_status gabion_write_facets(gabion_participant* p, const char* interface_name,
+                                  size_t num_facets, const int64_t* facets) {
+  return call(p, [&](gabion::Participant& participant) {
+    require_given(interface_name, "interface name");
+    if (num_facets > 0) require_given(facets, "facets");
+    const auto width = static_cast<std::size_t>(participant.vertices_per_facet(interface_name));
+    participant.write_facets(interface_name, {facets, num_facets * width});
+  });
+}
+
+gabion_status gabion_on_set_facets(gabion_participant* p,
+                                   int (*take)(const char*, size_t, const int64_t*, void*),
+                                   void* user) {
+  return call(p, [&](gabion::Participant& participant) {
+    require_given(reinterpret_cast<const void*>(take), "take");
+    participant.on_set_facets([take, user, &participant](const gabion::InterfaceFacets& changed) {
+      for (const auto& [name, facets] : changed) {
+        const auto width = static_cast<std::size_t>(participant.vertices_per_facet(name));
+        const int code = take(name.c_str(), facets.size() / width, facets.data(), user);
+        gabion::require(code == 0, "taking other facets of \"{}\" failed, code {}", name, code);
+      }
+    });
+  });
+}
+
 gabion_status gabion_set_probes(gabion_participant* p, size_t count, const char* const* names,
                                 const double* values) {
   return call(p, [&](gabion::Participant& participant) {

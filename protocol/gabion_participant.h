@@ -89,6 +89,24 @@ gabion_status gabion_on_set_start(gabion_participant* p,
                                               size_t count, void* user),
                                   void* user);
 
+/* Of a structure: facets of this interface may leave it, or come, where cells fail. Its vertices are
+ * all that a facet may ever have. After gabion_set_interface, before gabion_initialize. */
+gabion_status gabion_set_facets_may_change(gabion_participant* p, const char* interface_name);
+
+/* All facets that such an interface has from the step on that was just accepted: when
+ * gabion_is_time_window_complete, before the next gabion_is_coupling_ongoing, where they change; and
+ * within load of gabion_set_state, for each of these interfaces. */
+gabion_status gabion_write_facets(gabion_participant* p, const char* interface_name,
+                                  size_t num_facets, const int64_t* facets);
+
+/* Of a soil, before gabion_initialize: take(interface name, num_facets, facets, user) is called
+ * between two steps for each interface that has other facets from now on, of the same vertices; a
+ * saved state has them. It returns 0, or anything else to end the run. */
+gabion_status gabion_on_set_facets(gabion_participant* p,
+                                   int (*take)(const char* interface_name, size_t num_facets,
+                                               const int64_t* facets, void* user),
+                                   void* user);
+
 /* Numbers that the run shall record: names, and values in the initial state; later values at the
  * end of a step. */
 gabion_status gabion_set_probes(gabion_participant* p, size_t count, const char* const* names,
@@ -106,7 +124,8 @@ gabion_status gabion_set_output(gabion_participant* p, int (*write)(double time,
  * save points *data at *size bytes: all of the accepted state that later steps depend on, which
  * then is the code's current state. They are copied before anything else is called.
  *
- * load goes on from such bytes, of an earlier run perhaps, and calls gabion_write_probes. It is
+ * load goes on from such bytes, of an earlier run perhaps, and calls gabion_write_probes, and
+ * gabion_write_facets of each interface whose facets may change. It is
  * called by gabion_initialize already, or between two steps. */
 gabion_status gabion_set_state(gabion_participant* p,
                                int (*save)(const void** data, size_t* size, void* user),

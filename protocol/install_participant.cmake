@@ -13,8 +13,9 @@ foreach(header base/error.hpp base/json.hpp base/process.hpp base/timer.hpp run/
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/common/${room} COMPONENT gabion_participant)
 endforeach()
 foreach(header channel/attention.hpp channel/heartbeat.hpp channel/keys.hpp channel/peer_watch.hpp channel/socket.hpp
-        participant/connection.hpp participant/request_source.hpp participant/state_machine.hpp
-        participant/step_order.hpp wire/deadlines.hpp wire/handshake.hpp wire/message.hpp
+        participant/connection.hpp participant/own_facets.hpp participant/request_source.hpp
+        participant/state_machine.hpp participant/step_order.hpp participant/usage_error.hpp
+        wire/deadlines.hpp wire/facets.hpp wire/handshake.hpp wire/message.hpp
         gabion_participant.h participant.hpp serve.hpp)
   cmake_path(GET header PARENT_PATH room)
   install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gabion/protocol/${room}

@@ -97,7 +97,9 @@ void Participant::initialize() {
                                   .keeps_state = save_ != nullptr,
                                   .takes_force_kinds = settings_.receives == force(),
                                   .start = start_,
-                                  .takes_start = take_start_ != nullptr};
+                                  .takes_start = take_start_ != nullptr,
+                                  .takes_facets = take_facets_ != nullptr,
+                                  .changing = facets_.names()};
   try {
     read_hello(to_message(hello_of(settings_, introduction)));
   } catch (const ProtocolError& problem) {
@@ -228,7 +230,7 @@ void Participant::settle() {
   if (request_ || machine_->is_finished()) return;
   require<UsageError>(
       !must_read_,
-      "the last step was not accepted: ask requires_reading_checkpoint() and go back first");
+      "the last step was not accepted: call requires_reading_checkpoint() and go back first");
   connection_->guarded([this] { await_step(); });
 }
 
@@ -301,6 +303,7 @@ Participant::Answer Participant::summarize() {
 }
 
 void Participant::reply(Message message) {
+  if (message.type == "accepted") facets_.put_changed(message, meshes_);
   message.fields["busy_seconds"] = busy_.seconds();
   connection_->reply(std::move(message));
 }
@@ -331,8 +334,7 @@ const StepRequest& Participant::checked_step(const char* call) {
   const StepRequest& request = open_step(call);
   for (const auto& [due, question] : {std::pair(must_read_, "requires_reading_checkpoint"),
                                       std::pair(must_write_, "requires_writing_checkpoint")}) {
-    require<UsageError>(!due,
-                        "{}: ask {}() in this step first; not to do so would spoil repeated steps",
+    require<UsageError>(!due, "{}: call {}() in this step first, or repeated steps are spoilt",
                         call, question);
   }
   return request;

@@ -11,18 +11,14 @@
 #include <vector>
 
 #include "common/base/timer.hpp"
+#include "common/run/facets.hpp"
 #include "common/run/solver.hpp"
 #include "protocol/participant/connection.hpp"
+#include "protocol/participant/own_facets.hpp"
 #include "protocol/participant/state_machine.hpp"
+#include "protocol/participant/usage_error.hpp"
 
 namespace gabion {
-
-/// A call in the wrong order, or with values that do not fit. The message says what is allowed.
-class UsageError : public Error {
- public:
-  using Error::Error;
-  int exit_code() const override { return 2; }
-};
 
 /// One coupler, driven by the time loop of a foreign code; serve() is the face for codes that are
 /// driven.
@@ -71,6 +67,19 @@ class Participant : private RequestHandler {
   /// read_data() remain total, from the reference. `take` throws where the soil cannot begin so,
   /// which ends the run. Call it before initialize().
   void on_set_start(std::function<void(const InterfaceValues&)> take);
+  /// Declare that facets of an interface of a structure may leave it, or come, where cells fail.
+  /// Its vertices are all that a facet may ever have. Call it before initialize() and after
+  /// set_interface(), which gives the facets of the beginning.
+  void set_facets_may_change(const std::string& interface);
+  /// Set all facets that an interface has from the step on that was just accepted. Call it when
+  /// is_time_window_complete(), before the next is_coupling_ongoing(), where they change; and
+  /// within `load` of set_state(), for each interface that may change.
+  /// @param facets  num_facets x vertices_per_facet, as in set_interface(); may be empty
+  void write_facets(const std::string& interface, std::span<const std::int64_t> facets);
+  /// Set the function `take(facets)` of a soil, which lets these interfaces have other facets from
+  /// now on, of the same vertices; a saved state has them. It is called between two steps. `take`
+  /// throws where the soil cannot go on so, which ends the run. Call it before initialize().
+  void on_set_facets(std::function<void(const InterfaceFacets&)> take);
   /// Set the numbers that the run shall record. Call it before initialize().
   /// @param values  in the initial state, as many as names
   void set_probes(std::vector<std::string> names, std::span<const double> values);
@@ -86,7 +95,8 @@ class Participant : private RequestHandler {
   ///              later steps depend on, in a form of the code's own
   /// @param load  continues from what `save` gave, perhaps in an earlier run; calls write_probes().
   ///              Each later step then gives the bits that it would have given there. Called in
-  ///              initialize() already, or between two steps.
+  ///              initialize() already, or between two steps. It calls write_facets() of each
+  ///              interface whose facets may change.
   void set_state(std::function<std::vector<std::byte>()> save,
                  std::function<void(std::span<const std::byte>)> load);
   /// Set the entry of this participant in summary.json.
@@ -133,12 +143,16 @@ class Participant : private RequestHandler {
 
   /// Number of values of an interface, num_vertices x dim.
   std::size_t num_values(const std::string& interface) const;
+  int vertices_per_facet(const std::string& interface) const {
+    return mesh(interface).vertices_per_facet;
+  }
 
  private:
   // The functions below answer the coupler. An answer is pending while it waits for the code, which
   // may have to go back first.
   Answer set_force_kinds(const ForceKinds& kinds) override;
   Answer set_start(const InterfaceValues& displacements) override;
+  Answer set_facets(const InterfaceFacets& facets) override;
   Answer solve_step(const StepRequest& step, InterfaceValues received) override;
   Answer accept_step(const StepRequest& step, bool solved) override;
   Answer reject_step() override;
@@ -169,6 +183,8 @@ class Participant : private RequestHandler {
   std::vector<double> accepted_probes_;  // probes in the accepted state
   InterfaceValues start_;                // displacements of the start where any is not zero [m]
   std::function<void(const InterfaceValues&)> take_start_;  // empty: does not take one
+  OwnFacets facets_;
+  std::function<void(const InterfaceFacets&)> take_facets_;  // empty: does not take others
   std::function<void(double)> output_;
   std::function<std::vector<std::byte>()> save_;  // empty: does not keep its state
   std::function<void(std::span<const std::byte>)> load_;

@@ -23,7 +23,7 @@ Participant::Answer Participant::save_state(const std::string&) {
 
 Participant::Answer Participant::load_state(const Message& request) {
   if (!load_) machine_->refuse("load");
-  load_(unpack_bytes(read_state(request)));
+  facets_.while_loading([&] { load_(unpack_bytes(read_state(request))); });
   accepted_probes_ = probes_;
   must_write_ = true;  // the state that the code saved for repeated steps is another one
   return loaded(probes_);

@@ -19,7 +19,7 @@ class DrivenSolver final : public RequestHandler {
       : solver_(solver),
         sends_(sends),
         interfaces_(solver.interfaces()),
-        facets_(changing_facets(solver)) {}
+        sent_facets_(changing_facets(solver)) {}
 
   Answer set_force_kinds(const ForceKinds& kinds) override {
     solver_.set_force_kinds(kinds);
@@ -55,7 +55,7 @@ class DrivenSolver final : public RequestHandler {
     const AcceptReport report = solver_.accept_step(step, solved);
     Message reply = new_message("accepted");
     put(reply, report);
-    put_changed_facets(reply);
+    sent_facets_.put_changed(reply, interfaces_, changing_facets(solver_));
     return reply;
   }
 
@@ -75,28 +75,17 @@ class DrivenSolver final : public RequestHandler {
 
   Answer load_state(const Message& request) override {
     solver_.load_state(read_state(request));
-    facets_.clear();  // the coupler may know others
+    sent_facets_.forget();
     return loaded(solver_.probes());
   }
 
   Answer summarize() override { return new_message("summary", {{"summary", solver_.summary()}}); }
 
  private:
-  /// Facets of interfaces that got others than those that were sent last.
-  void put_changed_facets(Message& reply) {
-    InterfaceFacets changed = changing_facets(solver_);
-    std::erase_if(changed, [&](const auto& entry) {
-      const auto before = facets_.find(entry.first);
-      return before != facets_.end() && before->second == entry.second;
-    });
-    put_facets(reply, interfaces_, changed);
-    for (auto& [name, facets] : changed) facets_[name] = std::move(facets);
-  }
-
   Solver& solver_;
   Quantity sends_;
   std::vector<InterfaceMesh> interfaces_;
-  InterfaceFacets facets_;  // that the coupler was sent last, of those that may change
+  SentFacets sent_facets_;
 };
 
 }  // namespace

@@ -29,7 +29,7 @@ void broadcast_asleep(MPI_Comm comm, std::int64_t& value) {
 }
 
 /// The frames of a request, or none and the error that ends the ranks. A frame has at most 1 GiB.
-void broadcast(MPI_Comm comm, Frames& frames, std::string& error) {
+void broadcast_frames(MPI_Comm comm, Frames& frames, std::string& error) {
   auto count = static_cast<std::int64_t>(frames.size());
   broadcast_asleep(comm, count);
   frames.resize(count);
@@ -51,7 +51,7 @@ void end_followers(MPI_Comm comm, const std::string& error) {
   if (num_ranks(comm) == 1) return;
   Frames none;
   std::string text = error;
-  broadcast(comm, none, text);
+  broadcast_frames(comm, none, text);
 }
 
 Message LeadingRequests::next_request(Frames* frames) {
@@ -65,7 +65,7 @@ Message LeadingRequests::next_request(Frames* frames) {
     throw;
   }
   std::string no_error;
-  broadcast(comm_, own, no_error);
+  broadcast_frames(comm_, own, no_error);
   finished_ = request.type == "finish";
   if (frames) *frames = std::move(own);
   return request;
@@ -83,7 +83,7 @@ void LeadingRequests::reply(Message message) {
 Message FollowingRequests::next_request(Frames* frames) {
   Frames own;
   std::string error;
-  broadcast(comm_, own, error);
+  broadcast_frames(comm_, own, error);
   if (own.empty()) throw ProtocolError("rank 0 failed: " + error);
   Message request = decode(std::span<const std::string>(own));
   if (frames) *frames = std::move(own);

@@ -79,7 +79,7 @@ void require_ranks(MPI_Comm comm, int saved_ranks) {
 State gather_state(MPI_Comm comm, State own) {
   State all;
   all.facts = gather_parts(comm, own);
-  // Arrays that have arrived are given up, so that none is there twice.
+  // Arrays that have arrived are released, so that none is there twice.
   const auto collect = [comm]<class Value>(std::vector<Value> values) {
     return num_ranks(comm) > 1 ? gather<Value>(comm, values) : std::move(values);
   };

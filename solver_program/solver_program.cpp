@@ -16,7 +16,6 @@
 #include "common/run/folder_lock.hpp"
 #include "common/run/run_alone.hpp"
 #include "common/run/run_record.hpp"
-#include "common/settings/describe_keys.hpp"
 #include "protocol/serve.hpp"
 #include "solver_program/ranked_requests.hpp"
 #include "solver_program/ranked_solver.hpp"
@@ -183,7 +182,7 @@ void drive_alone(const SolverRun& run, RunRecord& record, const Checkpoint* chec
   RankedSolver solver(comm, *inner);
   record.write_json("resolved_config.json", {{program.file, run.reader.resolved()}});
   if (!solver.interfaces().empty()) {
-    log::info("interfaces: no coupler in this scene, their surfaces stay where they are");
+    log::info("interfaces: this scene has no coupler, so their surfaces stay at rest");
   }
   std::optional<RestartPoint> start;
   if (checkpoint != nullptr) {
@@ -220,10 +219,6 @@ void drive_alone(const SolverRun& run) {
 void run_solver_program(const SolverProgram& program, const ProgramOptions& options,
                         const MpiSession& session) {
   const ProgramEntry& entry = program_entry(program.name);
-  if (!options.describe_keys.empty()) {
-    if (session.is_root()) describe_keys(program.keys, entry.file, options.describe_keys);
-    return;
-  }
   const PetscSession petsc(session.comm());
   const Scene scene(options.scene, options.overrides);
   ConfigReader reader = scene.reader(entry.file, program.keys);

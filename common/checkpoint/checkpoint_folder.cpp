@@ -19,6 +19,7 @@
 #include "common/base/names.hpp"
 #include "common/base/read_file.hpp"
 #include "common/base/require.hpp"
+#include "common/checkpoint/file_crc32.hpp"
 #include "common/checkpoint/state_file.hpp"
 #include "common/run/result_files.hpp"
 #include "common/run/run_record.hpp"
@@ -30,7 +31,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int format = 1;
+/// Manifests of format 1 have no checksums.
+constexpr int format = 2, format_without_checksums = 1;
 constexpr std::int64_t most_steps = std::int64_t{1} << 62;
 constexpr const char* manifest_name = "manifest.json";
 constexpr const char* checkpoints_name = "checkpoints";
@@ -71,18 +73,46 @@ Json read_manifest(const std::string& path) {
   return manifest;
 }
 
-/// One part of a checkpoint. A name must not lead out of its folder.
-State read_part(const fs::path& folder, const std::string& name, const Json& bytes, bool own) {
-  require(is_plain_name(name, "."), "{}: found a part named {}, allowed: a plain name",
-          (folder / manifest_name).string(), Json(name).dump());
-  const fs::path file = folder / (name + ".h5");
+/// What a manifest says of the file of one part.
+struct PartFile {
+  std::string name;
+  Json bytes;
+  Json crc32;        // null in manifests of format 1
+  bool own = false;  // a solver has written it
+};
+
+/// Refuse a file that is not the one that was written. A name must not lead out of its folder.
+/// @returns its path
+fs::path whole_file(const fs::path& folder, const PartFile& part) {
+  require(is_plain_name(part.name, "."), "{}: found a part named {}, allowed: a plain name",
+          (folder / manifest_name).string(), Json(part.name).dump());
+  const fs::path file = folder / (part.name + ".h5");
+  const std::string way_out =
+      "damaged; restart from the results of an earlier part of the run, or begin it anew without "
+      "--restart";
   const auto size = fs::is_regular_file(file) ? fs::file_size(file) : 0;
-  require(bytes.is_number_unsigned() && size == bytes.get<std::uintmax_t>(),
-          "{}: found {} bytes, the manifest says {}: damaged", file.string(), size, bytes.dump());
-  if (!own) return read_state(file.string());
+  require(part.bytes.is_number_unsigned() && size == part.bytes.get<std::uintmax_t>(),
+          "{}: found {} bytes, the manifest says {}: {}", file.string(), size, part.bytes.dump(),
+          way_out);
+  if (part.crc32.is_null()) return file;
+  const std::string found = file_crc32(file.string());
+  require(part.crc32 == found, "{}: found bytes of CRC-32 \"{}\", the manifest says {}: {}",
+          file.string(), found, part.crc32.dump(), way_out);
+  return file;
+}
+
+State read_part(const fs::path& folder, const PartFile& part) {
+  const fs::path file = whole_file(folder, part);
+  if (!part.own) return read_state(file.string());
   State state;
   state.file = fs::absolute(file).lexically_normal().string();
   return state;
+}
+
+void warn_of_other_version(const std::string& path, const Json& written_by) {
+  if (written_by == version) return;
+  log::warn("{}: written by version {}, this is version {}: the last digits of results may differ",
+            path, written_by.dump(), version);
 }
 
 }  // namespace
@@ -118,7 +148,7 @@ void write_checkpoint(const std::string& results, const std::string& kind,
   const fs::path all = folder.parent_path();
   try {
     fs::create_directories(folder);
-    Json files = Json::object(), own_files = Json::array();
+    Json files = Json::object(), checksums = Json::object(), own_files = Json::array();
     for (const auto& [name, state] : checkpoint.states) {
       const fs::path file = folder / (name + ".h5");
       if (state.file.empty()) {
@@ -128,6 +158,7 @@ void write_checkpoint(const std::string& results, const std::string& kind,
       }
       flush_to_disk(file);
       files[name] = fs::file_size(file);
+      checksums[name] = file_crc32(file.string());
     }
     const Json manifest = {{"format", format},
                            {"program", kind},
@@ -135,6 +166,7 @@ void write_checkpoint(const std::string& results, const std::string& kind,
                            {"step", checkpoint.point.step},
                            {"time", checkpoint.point.time},
                            {"bytes", files},
+                           {"crc32", checksums},
                            {"own_files", own_files}};
     const fs::path draft = folder / "manifest.draft.json";
     write_json_file(draft.string(), manifest);
@@ -173,22 +205,32 @@ Checkpoint read_checkpoint(const std::string& path, const std::string& kind) {
                          manifest.value(key, Json()).dump(), allowed);
   };
   const auto value = [&manifest](const char* key) { return manifest.value(key, Json()); };
-  refuse_unless(value("format") == format, "format", std::to_string(format));
+  const bool has_checksums = value("format") == format;
+  refuse_unless(has_checksums || value("format") == format_without_checksums, "format",
+                fmt::format("{}, {}", format_without_checksums, format));
   refuse_unless(value("program") == kind, "program", "\"" + kind + "\"");
-  if (value("version") != version) {
-    log::warn("{}: written by version {}, this is {}: last bits may differ", path,
-              value("version").dump(), version);
-  }
+  warn_of_other_version(path, value("version"));
   refuse_unless(value("step").is_number_unsigned() && value("step") <= most_steps, "step",
                 "a number of steps");
   refuse_unless(value("time").is_number() && value("time") >= 0, "time", "a time >= 0");
   refuse_unless(value("bytes").is_object(), "bytes", "an object");
+  if (!has_checksums) {
+    log::warn("{}: of format {}, without checksums: damage that leaves the sizes is not noticed",
+              manifest_path, format_without_checksums);
+  }
   Checkpoint checkpoint;
   checkpoint.point = {manifest.at("step").get<std::int64_t>(), manifest.at("time").get<double>()};
   const Json own_files = value("own_files");
   for (const auto& [name, bytes] : manifest.at("bytes").items()) {
-    const bool own = std::find(own_files.begin(), own_files.end(), name) != own_files.end();
-    checkpoint.states[name] = read_part(folder, name, bytes, own);
+    PartFile part{.name = name, .bytes = bytes, .crc32 = Json()};
+    part.own = std::find(own_files.begin(), own_files.end(), name) != own_files.end();
+    if (has_checksums) {
+      const Json crc32 = value("crc32");
+      refuse_unless(crc32.is_object() && crc32.contains(name) && crc32.at(name).is_string(),
+                    "crc32", fmt::format("an object with a text for \"{}\"", name));
+      part.crc32 = crc32.at(name);
+    }
+    checkpoint.states[name] = read_part(folder, part);
   }
   return checkpoint;
 }

@@ -24,8 +24,8 @@ std::string checkpoint_path(const std::string& results, const RunPoint& point);
 void begin_checkpoint(const std::string& results, const RunPoint& point);
 
 /// Write checkpoint_path() with a file NAME.h5 a part, where a solver has not written it
-/// (State::file), then its manifest.json, then remove
-/// older checkpoints. All of it is flushed to the disk before the manifest gets its name, and a
+/// (State::file), then its manifest.json with size and checksum of each file, then remove older
+/// checkpoints. All of it is flushed to the disk before the manifest gets its name, and a
 /// folder without manifest does not count: whatever ends the program, a whole checkpoint is left.
 /// @param kind  of the run, as in RunRecord
 /// @throws Error  disk full, folder gone; the last checkpoint is still there
@@ -39,7 +39,8 @@ std::string find_checkpoint(const std::string& results);
 
 /// @param path  from find_checkpoint
 /// @throws ConfigError  of another kind of run, or another format
-/// @throws Error        damaged
+/// @throws Error        damaged: a file of another size or checksum than the manifest says. A
+///                      manifest of format 1 has no checksums, which is logged as a warning.
 Checkpoint read_checkpoint(const std::string& path, const std::string& kind);
 
 }  // namespace gabion

@@ -49,22 +49,45 @@ constexpr hsize_t largest_compression = 1032;
 
 struct Room {
   hid_t memory_type;
-  int type_class;
-  std::size_t bytes;  // size of a value
+  std::size_t bytes;    // size of a value
+  const char* allowed;  // types that fit
 };
 Room room_of(const double*) {
-  return {H5T_NATIVE_DOUBLE, H5T_FLOAT, sizeof(double)};
+  return {H5T_NATIVE_DOUBLE, sizeof(double), "floating-point numbers of at most 8 bytes"};
 }
 Room room_of(const std::int64_t*) {
-  return {H5T_NATIVE_INT64, H5T_INTEGER, sizeof(std::int64_t)};
+  return {H5T_NATIVE_INT64, sizeof(std::int64_t),
+          "integers of at most 8 bytes, without a sign of at most 4"};
+}
+
+bool is_unsigned(hid_t type) {
+  return H5Tget_class(type) == H5T_INTEGER && H5Tget_sign(type) == H5T_SGN_NONE;
 }
 
 /// Whether each value of a stored type has one of the type in memory.
 bool fits(hid_t stored, const Room& room) {
   const std::size_t size = H5Tget_size(stored);
-  if (static_cast<int>(H5Tget_class(stored)) != room.type_class || size == 0) return false;
-  const bool is_unsigned = room.type_class == H5T_INTEGER && H5Tget_sign(stored) == H5T_SGN_NONE;
-  return is_unsigned ? size < room.bytes : size <= room.bytes;
+  if (H5Tget_class(stored) != H5Tget_class(room.memory_type) || size == 0) return false;
+  return is_unsigned(stored) ? size < room.bytes : size <= room.bytes;
+}
+
+/// Words for a stored type, for messages.
+std::string type_text(hid_t stored) {
+  switch (H5Tget_class(stored)) {
+    case H5T_FLOAT:
+      return fmt::format("floating-point numbers of {} bytes", H5Tget_size(stored));
+    case H5T_INTEGER:
+      return fmt::format("integers{} of {} bytes", is_unsigned(stored) ? " without a sign" : "",
+                         H5Tget_size(stored));
+    case H5T_STRING:
+      return "texts";
+    case H5T_ENUM:
+      return "an enumeration, such as booleans";
+    case H5T_COMPOUND:
+      return "records of several values, such as complex numbers";
+    default:
+      return "values of another kind";
+  }
 }
 
 /// Whether the values of a dataset are in this file: a name inside a file must not lead to another
@@ -86,7 +109,7 @@ void Hdf5Reader::require_stored(const std::string& dataset, std::int64_t id,
   if (H5Fget_filesize(file_, &file_bytes) < 0) fail(dataset);
   const hsize_t stored = std::min(H5Dget_storage_size(id), file_bytes);
   require(bytes / largest_compression <= stored && (bytes == 0 || stored > 0),
-          "{}: dataset {}: found {} bytes that are to hold values of {}: damaged", path_, dataset,
+          "{}: dataset {}: found {} bytes for values of {}: the file is damaged", path_, dataset,
           stored, bytes);
 }
 
@@ -100,8 +123,11 @@ std::vector<Value> Hdf5Reader::read(const std::string& dataset, const ValueRange
   Handle space(H5Dget_space(data.id()), H5Sclose);
   Handle stored(H5Dget_type(data.id()), H5Tclose);
   if (space.id() < 0 || stored.id() < 0) fail(dataset);
-  require(fits(stored.id(), room) && holds_own_values(data.id()),
-          "{}: dataset {} has another type of value than expected", path_, dataset);
+  require(fits(stored.id(), room), "{}: dataset {}: found {}, allowed: {}", path_, dataset,
+          type_text(stored.id()), room.allowed);
+  require(holds_own_values(data.id()),
+          "{}: dataset {}: found values that another file holds, allowed: in this one", path_,
+          dataset);
   const hssize_t size = H5Sget_simple_extent_npoints(space.id());
   if (size < 0) fail(dataset);
   const auto count = static_cast<hsize_t>(range ? range->count : size);
@@ -134,6 +160,17 @@ std::vector<double> Hdf5Reader::reals(const std::string& dataset) const {
 
 std::vector<std::int64_t> Hdf5Reader::integers(const std::string& dataset) const {
   return read<std::int64_t>(dataset, nullptr);
+}
+
+std::vector<double> Hdf5Reader::numbers(const std::string& dataset) const {
+  const QuietErrors quiet;
+  const Handle data(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
+  if (data.id() < 0) fail(dataset);
+  const Handle stored(H5Dget_type(data.id()), H5Tclose);
+  if (stored.id() < 0) fail(dataset);
+  if (H5Tget_class(stored.id()) != H5T_INTEGER) return reals(dataset);
+  const std::vector<std::int64_t> whole = integers(dataset);
+  return {whole.begin(), whole.end()};
 }
 
 std::vector<double> Hdf5Reader::reals(const std::string& dataset, const ValueRange& range) const {

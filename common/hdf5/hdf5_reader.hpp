@@ -27,9 +27,11 @@ class Hdf5Reader {
   /// Names in a group; none when the group is missing.
   std::vector<std::string> names(const std::string& group) const;
   /// All values of a dataset, row-major.
-  /// @throws Error  no such dataset, damaged, or of a type of number that does not fit
+  /// @throws Error  no such dataset, damaged, or of a type of number that does not fit, with both
   std::vector<double> reals(const std::string& dataset) const;
   std::vector<std::int64_t> integers(const std::string& dataset) const;
+  /// Like reals(), and integers too, rounded to a double above 2^53.
+  std::vector<double> numbers(const std::string& dataset) const;
   /// The values of `range`. @throws Error  it has fewer
   std::vector<double> reals(const std::string& dataset, const ValueRange& range) const;
   std::vector<std::int64_t> integers(const std::string& dataset, const ValueRange& range) const;

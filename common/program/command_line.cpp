@@ -13,7 +13,7 @@ void add_common_options(CLI::App& app, ProgramOptions& options, bool is_coupler)
   app.add_option("--output", options.output, "Folder of results (default: results/<scene>)")
       ->type_name("DIR");
   app.add_option("--restart", options.restart,
-                 "Go on from the last checkpoint of the run with these results")
+                 "Continue from the last checkpoint of the run with these results")
       ->type_name("DIR");
   app.add_option("--set", options.overrides, "Replace one value of the scene; may be repeated")
       ->type_name("FILE:/json/pointer=VALUE")
@@ -21,7 +21,7 @@ void add_common_options(CLI::App& app, ProgramOptions& options, bool is_coupler)
       ->take_all();
   app.add_flag(
       "--check", options.check,
-      "Check the scene, write nothing; in a launch as that of a run: up to the first step");
+      "Check the scene and write nothing; when launched like a run, go as far as the first step");
   app.add_flag("--describe-keys{markdown}", options.describe_keys,
                "Print all keys of its settings file as Markdown, or with =schema as a JSON Schema, "
                "then end");
@@ -42,10 +42,10 @@ void add_coupler_options(CLI::App& app, ProgramOptions& options) {
                "number of words and words of each participant's command, then end; each item "
                "ends with a NUL");
   app.add_option("--check-participant", options.check_participant,
-                 "Drive this participant alone through repeated, rejected and cut steps, then end")
+                 "Test this participant alone: repeated, rejected and cut steps, then end")
       ->type_name("PARTICIPANT");
   app.add_option("--amplitude", options.amplitude,
-                 "Random values of that check [N or m] (default: 1e-3 N, 1e-6 m)")
+                 "Size of the random values of that test [N or m] (default: 1e-3 N, 1e-6 m)")
       ->check(CLI::PositiveNumber);
   app.add_option("--make-keys", options.make_keys,
                  "Write a new secret key to FILE and its public key to FILE.pub, then end")
@@ -59,7 +59,7 @@ void add_solver_options(CLI::App& app, ProgramOptions& options) {
                  "The coupler's public key (or GABION_COUPLER_KEY_FILE)")
       ->type_name("FILE");
   app.add_option("--connect-deadline", options.connect_deadline,
-                 "Wait so long [s] for the coupler's answer")
+                 "Time to wait for the coupler's answer [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
 }

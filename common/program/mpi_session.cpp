@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/program/mpi_session.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -21,11 +22,14 @@ namespace {
 constexpr int name_length = 32;
 
 /// Open MPI listens on all network interfaces even when its processes share one machine, which then
-/// need no network. A user's own choice of transports stands.
-void stay_off_the_network() {
+/// need no network. For a process that was started without mpirun it starts a daemon, in case that
+/// the process wants to start others; once in some thousand starts both wait for each other for
+/// ever (open-mpi/ompi issue 3818). A user's own choices stand.
+void start_only_what_is_needed() {
   const char* all = std::getenv("OMPI_COMM_WORLD_SIZE");
   const char* here = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
   const bool alone = all == nullptr && here == nullptr;
+  if (alone) setenv("OMPI_MCA_ess_singleton_isolated", "1", /*overwrite=*/0);
   if (alone || (all != nullptr && here != nullptr && std::strcmp(all, here) == 0)) {
     setenv("OMPI_MCA_btl", "^tcp,ofi", /*overwrite=*/0);
   }
@@ -34,19 +38,26 @@ void stay_off_the_network() {
 /// Open MPI's shared memory has names in /dev/shm, which mpirun removes; one that is killed leaves
 /// them. All processes have opened it by now, and need the names no more.
 /// @note  After a barrier.
-void remove_names_of_shared_memory() {
+/// @returns  the name of this process's own memory; empty: it has none
+std::string remove_names_of_shared_memory(int world_rank) {
+  const std::string end = fmt::format(".{}", world_rank);
+  std::string own;
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {
     for (const char* start : {"/dev/shm/vader_segment.", "/dev/shm/sm_segment."}) {  // of 4, of 5
       const std::size_t name = line.find(start);
-      if (name != std::string::npos) unlink(line.c_str() + name);
+      if (name == std::string::npos) continue;
+      const std::string memory = line.substr(name, line.find(" (deleted)", name) - name);
+      unlink(memory.c_str());
+      if (memory.ends_with(end)) own = memory;
     }
   }
+  return own;
 }
 }  // namespace
 
 MpiSession::MpiSession(int& argc, char**& argv, const std::string& program) {
-  stay_off_the_network();
+  start_only_what_is_needed();
   MPI_Init(&argc, &argv);
   int world_size = 1;
   int world_rank = 0;
@@ -58,7 +69,7 @@ MpiSession::MpiSession(int& argc, char**& argv, const std::string& program) {
   std::vector<char> all(static_cast<std::size_t>(world_size) * name_length);
   MPI_Allgather(own.data(), name_length, MPI_CHAR, all.data(), name_length, MPI_CHAR,
                 MPI_COMM_WORLD);
-  remove_names_of_shared_memory();
+  own_memory_ = remove_names_of_shared_memory(world_rank);
   for (int r = 0; r < world_size; ++r) programs_.emplace_back(all.data() + r * name_length);
 
   const auto color = std::find(programs_.begin(), programs_.end(), program) - programs_.begin();
@@ -68,6 +79,8 @@ MpiSession::MpiSession(int& argc, char**& argv, const std::string& program) {
 }
 
 MpiSession::~MpiSession() {
+  // MPI_Finalize removes the name of its memory, and complains where there is none.
+  if (!own_memory_.empty()) std::ofstream(own_memory_, std::ios::app).flush();
   MPI_Comm_free(&comm_);
   MPI_Finalize();
 }

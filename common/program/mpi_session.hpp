@@ -49,6 +49,7 @@ class MpiSession {
   int rank_ = 0;
   int size_ = 1;
   std::vector<std::string> programs_;  // program of each rank of the world
+  std::string own_memory_;             // name that this process gave to its shared memory
 };
 
 }  // namespace gabion

@@ -24,15 +24,29 @@ std::string default_output(const ProgramOptions& options, const std::string& pro
   return "results/" + scene.filename().string() + (coupled ? "" : "_" + program);
 }
 
+int describe_keys_of(const ProgramEntry& role, const ProgramOptions& options,
+                     const std::function<void(const std::string& form)>& describe) {
+  try {
+    describe(options.describe_keys);
+    return 0;
+  } catch (const Error& error) {
+    log::start(role.prefix, log::Level::info, /*speaks=*/true);
+    log::last_error(error.what());
+    return error.exit_code();
+  }
+}
+
 }  // namespace
 
 int run_program(int argc, char** argv, const std::string& program,
+                const std::function<void(const std::string& form)>& describe,
                 const std::function<void(const ProgramOptions&, const MpiSession&)>& body) {
   keep_freed_memory();
   const ProgramEntry& role = program_entry(program);
   ProgramOptions options;
   options.name = role.participant;
   if (const auto exit_code = read_command_line(argc, argv, role, options)) return *exit_code;
+  if (!options.describe_keys.empty()) return describe_keys_of(role, options, describe);
 
   MpiSession session(argc, argv, program);
   log::start(role.prefix, log::Level::info, session.is_root());

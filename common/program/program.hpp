@@ -36,17 +36,19 @@ struct ProgramOptions {
 /// Frame of a program: options, log, MPI, and errors as exit codes.
 ///
 ///     int main(int argc, char** argv) {
-///       return gabion::run_program(argc, argv, "fem_solver", run_fem_solver);
+///       return gabion::run_program(argc, argv, "fem_solver", describe_fem_keys, run_fem);
 ///     }
 ///
-/// Options are read before MPI starts, so --help needs no launch. An Error ends the program with
-/// its exit_code(), any other exception with 4; other programs of the launch are taken down. The
-/// default of --output is results/<scene>, for a solver that runs without coupler
-/// results/<scene>_<program>.
+/// Options are read and keys described before MPI starts, so --help and --describe-keys need no
+/// launch. An Error ends the program with its exit_code(), any other exception with 4; other
+/// programs of the launch are taken down. The default of --output is results/<scene>, for a solver
+/// that runs without coupler results/<scene>_<program>.
 ///
-/// @param program  of programs.hpp
+/// @param program   of programs.hpp
+/// @param describe  prints the keys of the program's file in a form: ProgramOptions::describe_keys
 /// @returns exit code
 int run_program(int argc, char** argv, const std::string& program,
+                const std::function<void(const std::string& form)>& describe,
                 const std::function<void(const ProgramOptions&, const MpiSession&)>& body);
 
 }  // namespace gabion

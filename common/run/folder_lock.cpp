@@ -111,7 +111,7 @@ bool is_same_file(int file, const fs::path& path) {
 }
 
 /// Take the lock at once. @returns whether the file system has such locks
-bool take(int file, int operation, const fs::path& folder) {
+bool take_lock(int file, int operation, const fs::path& folder) {
   if (flock(file, operation | LOCK_NB) == 0) return true;
   require<ConfigError>(errno != EWOULDBLOCK,
                        [&] { return in_use(folder, owners_that_may_live(folder)); });
@@ -137,7 +137,7 @@ FolderLock::FolderLock(const fs::path& folder, Kind kind) : folder_(folder), kin
   for (int tries = 0; tries < most_tries; ++tries) {
     file_ = Descriptor(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
     require(file_.is_open(), "{}: cannot be written: {}", path.string(), std::strerror(errno));
-    is_held = take(file_.number(), kind == Kind::alone ? LOCK_EX : LOCK_SH, folder);
+    is_held = take_lock(file_.number(), kind == Kind::alone ? LOCK_EX : LOCK_SH, folder);
     if (is_same_file(file_.number(), path)) break;  // else the folder was moved in between
   }
   if (kind == Kind::beside || (is_held && is_local(file_.number()))) return;
@@ -168,7 +168,7 @@ void FolderLock::sign(const std::string& program) {
 }
 
 void FolderLock::share() {
-  take(file_.number(), LOCK_SH, folder_);
+  take_lock(file_.number(), LOCK_SH, folder_);
   kind_ = Kind::beside;
 }
 

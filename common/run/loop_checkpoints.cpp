@@ -27,11 +27,10 @@ bool LoopCheckpoints::go_on() {
     throw Error(fmt::format("{}: the state of the run: {}", from->path, problem.what()));
   }
   require<ConfigError>(!steps_.finished(),
-                       "{}: is at {} s, so nothing is left to do; allowed: an end "
-                       "behind it (/time/end)",
+                       "{}: is at {} s, so nothing is left to do; allowed: a later end (/time/end)",
                        from->path, from->point.time);
   first_step_ = saved_ = steps_.step();
-  log::info("going on from {}, step {}, {} s", from->path, from->point.step, from->point.time);
+  log::info("continuing from {}, step {}, {} s", from->path, from->point.step, from->point.time);
   return true;
 }
 

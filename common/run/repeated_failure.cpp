@@ -29,7 +29,7 @@ ConvergenceError RepeatedFailure::judge(const StepRequest& request, const Conver
   if (!same_step || kind.empty() || kind != kind_) return error;
   return ConvergenceError(
       fmt::format("step {} at time {} s fails in the same way with dt = {} s and dt = {} s: load "
-                  "and supports do not change with it, so that no smaller dt helps; {} ({})",
+                  "and supports do not depend on dt, so a smaller one does not help; {} ({})",
                   request.step, request.time, before.dt, request.dt, advice, error.what()),
       fails_at_any_dt);
 }

@@ -43,7 +43,8 @@ fs::path folder_of(const std::string& name) {
   for (int links = 0;; ++links) {
     while (folder.filename().empty() && folder.has_relative_path()) folder = folder.parent_path();
     if (!fs::is_symlink(folder)) break;
-    require<ConfigError>(links < most_links, "output folder {}: is a link without an end", name);
+    require<ConfigError>(links < most_links, "output folder {}: is a link that leads nowhere",
+                         name);
     folder = folder.parent_path() / fs::read_symlink(folder);
   }
   const std::string last = folder.filename().string();
@@ -136,7 +137,7 @@ FolderLock empty_folder(const std::string& name, const fs::path& folder, const s
   }
   FolderLock lock = locked(folder);
   // Another program may have come in between.
-  require<ConfigError>(!is_taken(folder), "output folder {}: another run has just begun there",
+  require<ConfigError>(!is_taken(folder), "output folder {}: another run has just started there",
                        name);
   return lock;
 }

@@ -24,13 +24,13 @@ KeyTable time_keys() {
       "time",
       "Steps are `dt` times a power of two; a step that fails is halved.",
       {key::number("end", "s", "End of the run.").in(positive()),
-       key::number("dt", "s", "First step.").in(positive()),
+       key::number("dt", "s", "Size of the first step.").in(positive()),
        key::number("dt_min", "s",
-                   "Smallest step, at most `dt` and at least `end` / 1e15: one that needs less "
-                   "ends the run with an error.")
+                   "Smallest step, at most `dt` and at least `end` / 1e15. A step that would have "
+                   "to be smaller ends the run with an error.")
            .in(positive()),
        key::number("dt_max", "s",
-                   "Largest step, at least `dt`: after four accepted steps of one size the next "
+                   "Largest step, at least `dt`. After four accepted steps of one size the next "
                    "one may be twice as long.")
            .in(positive())
            .or_computed("`dt`")}};

@@ -153,8 +153,7 @@ Key named_objects(const std::string& name, const KeyTable& table, const std::str
 }
 Key schema() {
   return text("$schema",
-              "Where an editor finds the schema of this file (docs/keys); the programs do not use "
-              "it.")
+              "Path of this file's schema (docs/keys), for editors; the programs do not use it.")
       .or_none();
 }
 

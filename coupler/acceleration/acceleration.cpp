@@ -33,10 +33,13 @@ KeyTable acceleration_keys() {
       "acceleration",
       "How the next guess of the displacement follows from the answers to the last ones.",
       {key::choice("method", methods,
-                   "`constant` and `aitken` relax; `iqn_ils` and `mvqn` are one method: least "
-                   "squares over columns of this step and of earlier ones.")
+                   "`constant` and `aitken`: relaxation; `iqn_ils` and `mvqn`: two names of one "
+                   "quasi-Newton method, least squares over columns (differences of iterations) of "
+                   "this step and of earlier ones.")
            .or_else(defaults.method),
-       key::number("relaxation", "", "omega: constant factor, or that of the very first step.")
+       key::number("relaxation", "",
+                   "Factor omega of the residual: with `constant` in every iteration, else where "
+                   "there are no earlier iterations to learn from.")
            .in({.low = 0, .high = 2, .low_open = true, .allowed = "a number > 0 and <= 2"})
            .or_else(defaults.relaxation)}};
   for (const Key& key : filter_keys()) table.keys.push_back(key.when("method", with_columns));
@@ -45,11 +48,11 @@ KeyTable acceleration_keys() {
           .in(non_negative())
           .or_else(defaults.history)
           .when("method", with_columns),
-      key::integer("max_columns", "Columns of all steps together.")
+      key::integer("max_columns", "Largest number of columns, of all steps together.")
           .in(at_least(1))
           .or_else(defaults.max_columns)
           .when("method", with_columns),
-      key::number("damping", "", "beta: factor of the part of the residual that no column covers.")
+      key::number("damping", "", "Factor beta of the part of the residual that no column covers.")
           .in({.low = 0, .high = 1, .low_open = true, .allowed = "a number > 0 and <= 1"})
           .or_else(defaults.damping)
           .when("method", with_columns)};

@@ -17,9 +17,9 @@ std::vector<Key> filter_keys() {
       "filter",
       "Which columns are dropped because newer ones nearly cover them (V = Q R, newest first).",
       {key::choice("kind", {"none", "qr1", "qr1_absolute", "qr2", "qr3"},
-                   "`qr2`: the part across the newer kept ones is shorter than `limit` times the "
-                   "column; `qr3`: the same, after a cheap test on R; `qr1`: R_ii < `limit` |R|_F; "
-                   "`qr1_absolute`: R_ii < `limit`; `none`: only round-off."),
+                   "`qr2`: the part orthogonal to the newer columns kept is shorter than `limit` "
+                   "times the column; `qr3`: likewise, after a cheap test on R; `qr1`: R_ii < "
+                   "`limit` |R|_F; `qr1_absolute`: R_ii < `limit`; `none`: only round-off."),
        key::number("limit", "", "Share below which a column is dropped.")
            .in(relative)
            .or_else(defaults.limit)
@@ -29,8 +29,8 @@ std::vector<Key> filter_keys() {
            .in(positive())
            .when("kind", {"qr1_absolute"})}};
   return {key::number("filter", "",
-                      "Limit of `qr2`: a column is dropped when its part across the "
-                      "newer kept ones is shorter than this share of it.")
+                      "Limit of the filter `qr2`: a column is dropped when its part orthogonal to "
+                      "the newer columns kept is shorter than this share of its length.")
               .in(relative)
               .or_else(defaults.limit),
           key::object("filter", table, "A filter of another kind.").or_none()};

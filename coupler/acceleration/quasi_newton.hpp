@@ -23,7 +23,7 @@ struct Secant {
 class ProgressWatch {
  public:
   static constexpr int patience = 5;     ///< iterations without a new smallest residual
-  static constexpr double growth = 100;  ///< residual over the smallest one at which it gives up
+  static constexpr double growth = 100;  ///< residual over the smallest one at which it stops
 
   void begin_step();
   /// Take in the next pair. @returns whether the patience or the growth is used up

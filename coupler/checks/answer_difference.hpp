@@ -34,6 +34,13 @@ struct AnswerDifference {
     relative = largest_ > 0 ? largest_ / largest_value_ : 0;
   }
 
+  /// @param a, b  lists that may differ in length
+  void add_list(const std::string& name, std::span<const double> a, std::span<const double> b) {
+    if (a.size() == b.size()) return add(name, 1, a, b);
+    text = fmt::format("\"{}\": {} numbers, then {}", name, a.size(), b.size());
+    relative = std::numeric_limits<double>::infinity();
+  }
+
  private:
   double largest_ = -1;
   double largest_value_ = 0;

@@ -2,6 +2,7 @@
 #include "coupler/checks/driven_participant.hpp"
 
 #include "common/base/error.hpp"
+#include "common/run/facets.hpp"
 #include "common/run/start.hpp"
 
 namespace gabion {
@@ -17,6 +18,23 @@ void DrivenParticipant::tell_start() {
   InterfaceValues start;
   for (const InterfaceMesh& mesh : meshes_) start[mesh.name].assign(mesh.coordinates.size(), 0.0);
   set_start(solver_, start);
+}
+
+void DrivenParticipant::tell_facets() {
+  InterfaceFacets facets;
+  for (const InterfaceMesh& mesh : meshes_) {
+    if (mesh.vertices_per_facet > 0) facets[mesh.name] = mesh.facets;
+  }
+  set_facets(solver_, facets);
+}
+
+std::vector<double> DrivenParticipant::vertices_of_facets() const {
+  std::vector<double> vertices;
+  for (const auto& [name, facets] : changing_facets(solver_)) {
+    vertices.push_back(static_cast<double>(facets.size()));
+    vertices.insert(vertices.end(), facets.begin(), facets.end());
+  }
+  return vertices;
 }
 
 InterfaceValues DrivenParticipant::random_values() {

@@ -25,6 +25,10 @@ class DrivenParticipant {
   /// Tell a soil that asks for it where its interfaces start: not displaced, so that they cannot
   /// enclose soil that they did not before.
   void tell_start();
+  /// Tell a soil that takes other facets those that it has.
+  void tell_facets();
+  /// Vertices of the facets of a structure that may change, in the accepted state.
+  std::vector<double> vertices_of_facets() const;
   /// Random values: equal in every check, different at every call.
   InterfaceValues random_values();
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/run/facets.hpp"
 #include "common/run/start.hpp"
 #include "coupler/checks/check_table.hpp"
 #include "coupler/checks/driven_participant.hpp"
@@ -36,6 +37,9 @@ class ParticipantCheck {
         table_.expect_done("interfaces that start at their reference places",
                            [this] { participant_.tell_start(); });
       }
+      if (takes_facets(participant_.solver())) {
+        table_.expect_done("facets that are those it has", [this] { participant_.tell_facets(); });
+      }
       table_.expect_done("output at time 0", [this] { participant_.write_output(); });
       try_first_step();
       try_smaller_steps();
@@ -43,6 +47,7 @@ class ParticipantCheck {
       try_accepted_step();
       try_many_steps();
       try_states();
+      try_facets();
       try_skipped_step();
       try_details();
       table_.expect_done("summary", [this] { participant_.solver().summary(); });
@@ -210,6 +215,24 @@ class ParticipantCheck {
       table_.add({what, CheckRow::Outcome::not_asked,
                   "it does not keep its state: a run with it cannot be restarted"});
     }
+  }
+
+  /// The facets after the same steps from a state, where facets may change.
+  void try_facets() {
+    Solver& solver = participant_.solver();
+    if (changing_facets(solver).empty() || !solver.keeps_state()) return;
+    table_.expect_equal("the same facets after save, steps, load and the same steps", [&] {
+      solver.reject_step();
+      const State saved = solver.save_state();
+      const DrivenParticipant::Place start = participant_.place();
+      steps_from_here();
+      const std::vector<double> before = participant_.vertices_of_facets();
+      participant_.load(saved, start);
+      steps_from_here();
+      AnswerDifference difference;
+      difference.add_list("facets", before, participant_.vertices_of_facets());
+      return difference;
+    });
   }
 
   /// Load a state that was saved a while ago, though another one was saved since.

@@ -28,7 +28,7 @@ std::string sizes_text(const Json& summary) {
     std::replace(name.begin(), name.end(), '_', ' ');
     words.push_back(fmt::format("{} {}", found->get<std::int64_t>(), name));
   }
-  return words.empty() ? "says nothing of its size" : fmt::format("{}", fmt::join(words, ", "));
+  return words.empty() ? "does not tell its size" : fmt::format("{}", fmt::join(words, ", "));
 }
 
 /// The interfaces of which both participants are there.
@@ -40,7 +40,7 @@ std::vector<InterfaceSettings> shared_interfaces(const CouplerSettings& settings
     for (const std::string& name : {entry.soil, entry.structure}) {
       if (solvers.contains(name)) continue;
       complete = false;
-      log::warn("interface {}: the surface of {} is not here, so how both sides fit is not checked",
+      log::warn("interface {}: the surface of {} is not known here, so its fit is not checked",
                 entry.name, name);
     }
     if (complete) shared.push_back(entry);
@@ -101,7 +101,7 @@ void log_size(const CouplerSettings& settings, const Solvers& solvers) {
   log::info("time: {} steps of {:g} s to {:g} s, {} frames", size.steps, settings.time.dt,
             settings.time.end, size.frames);
   log::info("frames take at most {:.3g} MB on disk, uncompressed, at the sizes of the start{}",
-            1e-6 * static_cast<double>(frame_bytes * size.frames), others);
+            1e-6 * static_cast<double>(frame_bytes) * static_cast<double>(size.frames), others);
 }
 
 }  // namespace
@@ -109,12 +109,11 @@ void log_size(const CouplerSettings& settings, const Solvers& solvers) {
 RunSize run_size(const TimeSettings& time, double output_interval) {
   constexpr double off_raster = 1e-9;  // a remainder below this share is round-off
   const auto pieces = [&](double length) {
-    return static_cast<std::int64_t>(std::ceil(time.end / length * (1 - off_raster)));
+    return std::ceil(time.end / length * (1 - off_raster));
   };
-  RunSize size;
-  size.steps = pieces(time.dt);
-  size.frames = 1 + std::min(size.steps, pieces(output_interval));
-  return size;
+  // The frames of an interval may be more than an integer counts; the steps are at most 1e15.
+  const double steps = pieces(time.dt), frames = 1 + std::min(steps, pieces(output_interval));
+  return {static_cast<std::int64_t>(steps), static_cast<std::int64_t>(frames)};
 }
 
 void check_run(Server& server, const CouplerSettings& settings,

@@ -190,7 +190,8 @@ std::vector<std::string> check_attendance(const Scene& scene, const CouplerSetti
     } else {
       reason = fmt::format("{} is not part of this launch", own.name);
     }
-    warnings.push_back(fmt::format("{}: nobody reads it; {}", scene.path(own.file), reason));
+    warnings.push_back(
+        fmt::format("{}: no participant reads this file; {}", scene.path(own.file), reason));
   }
   for (const ParticipantRole& role : settings.participants) {
     if (here.contains(role.name)) continue;

@@ -22,14 +22,14 @@ KeyTable field_limits_keys(const std::string& name, const std::string& unit,
       name + "_limits",
       "Criteria of the residual of this field. Norms are root mean squares over its components.",
       {key::number("absolute", unit, absolute).in(positive()).or_none(),
-       key::number("relative", "", "Residual over the norm of the field.")
+       key::number("relative", "", "Largest residual over the norm of the field.")
            .in(in_words(at_least(1e-15), "a number >= 1e-15 (round-off of the values)"))
            .or_none(),
-       key::number("floor", unit, "The limit of `relative` is not taken below this.")
+       key::number("floor", unit, "Lower bound of the limit that `relative` gives.")
            .in(non_negative())
            .or_else(FieldLimits{}.floor)
            .with("relative"),
-       key::number("drop", "", "Residual over the first one of the step.")
+       key::number("drop", "", "Largest residual over the first one of the step.")
            .in(in_words(inside(0, 1), "a number > 0 and < 1"))
            .or_none()}};
 }
@@ -58,22 +58,23 @@ KeyTable convergence_keys() {
   const ConvergenceSettings defaults;
   return {
       "convergence",
-      "When a step is converged: one criterion at least, in either field.",
+      "When a step has converged: at least one criterion, on displacement or force.",
       {key::object("displacement", field_limits_keys("displacement", "m", "Largest residual."),
-                   "Of the structures' answer less the guess.")
+                   "Criteria on the displacement residual: the structures' answer minus the guess.")
            .or_none(),
        key::object("force",
                    field_limits_keys("force", "N",
-                                     "Largest residual; of nodal forces, which grow with the size "
-                                     "of a facet, in 2D per metre of thickness."),
-                   "Of the change since the iteration before (serial), or of the answer less the "
-                   "guess (parallel).")
+                                     "Largest residual of the nodal forces, which grow with the "
+                                     "size of a facet; in 2D per metre of thickness."),
+                   "Criteria on the force residual: change since the iteration before (serial), or "
+                   "answer minus guess (parallel).")
            .or_none(),
        key::choice("combine", {"and", "or"}, "Whether all criteria have to hold, or any.")
            .or_else("and"),
        key::number("divergence", "",
-                   "Displacement residual over the first one of the step (parallel: the larger of "
-                   "the first two; its limit, if that is larger) above which it has diverged.")
+                   "A step has diverged when its displacement residual exceeds this many times the "
+                   "first one of the step (parallel: the larger of the first two). Where the limit "
+                   "of the residual is larger than these, it takes their place.")
            .in(in_words({.low = 1, .low_open = true}, "a number > 1"))
            .or_else(defaults.divergence),
        key::integer("stagnation",

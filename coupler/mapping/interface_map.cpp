@@ -10,6 +10,7 @@
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
+#include "coupler/mapping/loose_vertices.hpp"
 #include "coupler/mapping/surface_extent.hpp"
 #include "coupler/state_vectors.hpp"
 
@@ -29,6 +30,19 @@ const InterfaceMesh& mesh_of(const Meshes& meshes, const std::string& participan
   throw ConfigError(
       fmt::format("interface \"{}\": participant \"{}\" does not have it; it has: {}", interface,
                   participant, found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", "))));
+}
+
+/// The facets of a mesh, each by its vertices in ascending order.
+std::set<std::vector<std::int64_t>> facets_of(const InterfaceMesh& mesh) {
+  std::set<std::vector<std::int64_t>> all;
+  const auto width = static_cast<std::size_t>(mesh.vertices_per_facet);
+  for (std::size_t first = 0; width > 0 && first < mesh.facets.size(); first += width) {
+    std::vector<std::int64_t> facet(mesh.facets.begin() + first,
+                                    mesh.facets.begin() + first + width);
+    std::ranges::sort(facet);
+    all.insert(std::move(facet));
+  }
+  return all;
 }
 
 void check_all_coupled(const std::vector<InterfaceSettings>& interfaces, const Meshes& meshes) {
@@ -78,15 +92,15 @@ void add_resultant(const InterfaceMesh& mesh, const double* u, const double* for
   add(mesh.coordinates.data(), u, force, mesh.num_vertices(), sum);
 }
 
-/// @throws ConfigError  as Mapping does, and says where the interface is and when the surfaces seem
-///                      to have unequal units
+/// @throws ConfigError  as Mapping does, and says where the interface is, when the surfaces seem
+///                      to have unequal units, and when one side alone has cells behind it
 Mapping make_mapping(const InterfaceSettings& names, const InterfaceMesh& structure,
                      const InterfaceMesh& soil, const MappingSettings& settings) {
   try {
     return {structure, soil, settings};
   } catch (const ConfigError& error) {
     throw ConfigError((names.where.empty() ? "" : names.where + ": ") + error.what() +
-                      unit_hint(structure, soil));
+                      unit_hint(structure, soil) + behind_hint(structure, soil));
   }
 }
 
@@ -167,6 +181,22 @@ bool InterfaceMap::has_same_vertices(const std::string& interface) const {
   return std::ranges::any_of(interfaces_, [&](const Interface& own) {
     return own.names.name == interface && own.mapping.is_identity();
   });
+}
+
+void InterfaceMap::require_same_facets(const std::string& interface) const {
+  const auto& own = *std::ranges::find_if(
+      interfaces_, [&](const Interface& each) { return each.names.name == interface; });
+  if (own.structure_mesh.vertices_per_facet != own.soil_mesh.vertices_per_facet) {
+    return;  // refused by the soil
+  }
+  const auto theirs = facets_of(own.structure_mesh), of_soil = facets_of(own.soil_mesh);
+  require<ConfigError>(
+      theirs == of_soil,
+      "interface \"{}\": \"{}\" begins with {} facets, \"{}\" with {}, of which {} are the same; "
+      "allowed where facets may leave: the same ones: equal \"groups\" in \"surface\" of mpm.json "
+      "and in the interface of fem.json",
+      interface, own.names.structure, theirs.size(), own.names.soil, of_soil.size(),
+      std::ranges::count_if(of_soil, [&](const auto& facet) { return theirs.contains(facet); }));
 }
 
 Eigen::VectorXd InterfaceMap::soil_displacement(const Eigen::VectorXd& x) const {

@@ -60,6 +60,8 @@ class InterfaceMap {
 
   /// Whether both sides of an interface have the same vertices in the same order.
   bool has_same_vertices(const std::string& interface) const;
+  /// Refuse an interface with the same vertices whose sides have other facets.
+  void require_same_facets(const std::string& interface) const;
 
   /// Resultants on the structure at each interface, in the order of the settings; moments about its
   /// InterfaceSettings::moment_about, a place in space.

@@ -34,10 +34,10 @@ void check_normals(const Surface& structure, const Surface& soil, const Interfac
     const Eigen::Vector3d other = structure.normal(image.facet);
     require<ConfigError>(
         normal.dot(other) > 0,
-        "interface \"{}\": facet {} of the soil's side at {} has normal {}, the "
-        "structure's facet {} there has {}; allowed: normals that agree, both point "
-        "out of the structure, into the soil; reverse the order of the soil's polyline (the soil "
-        "is to its right), take its facets from a mesh of the structure",
+        "interface \"{}\": facet {} of the soil's surface at {} has normal {}, the structure's "
+        "facet {} there has {}; allowed: normals that agree and point out of the structure, into "
+        "the soil; reverse the order of the soil's polyline (the soil is to its right), or take "
+        "its facets from a mesh of the structure",
         mesh.name, f, point_text(soil.centroid(f), mesh.dim), point_text(normal, mesh.dim),
         image.facet, point_text(other, mesh.dim));
   }
@@ -77,27 +77,29 @@ KeyTable mapping_keys() {
       "transpose.",
       {key::choice(
            "method", {"nearest_projection", "nearest_neighbor", "radial_basis"},
-           "The value at a soil vertex is that at the closest point of the structure's facets, "
-           "at its nearest vertex, or of radial functions through its vertices.")
+           "Value at a soil vertex. `nearest_projection`: that at the closest point of the "
+           "structure's facets; `nearest_neighbor`: that at its nearest vertex; `radial_basis`: "
+           "that of radial functions through its vertices.")
            .or_else(defaults.method),
        key::number("tolerance", "m",
                    "Largest distance of a soil vertex from its place on the structure.")
            .in(positive()),
        key::choice(
            "positions", {"reference", "deformed"},
-           "Positions from which the mapping is set up; `deformed` (again as vertices move) with "
-           "`nearest_projection` only.")
+           "Positions from which the mapping is set up. `deformed`: again and again as vertices "
+           "move; with `nearest_projection` only.")
            .or_else("reference"),
        key::number(
            "moved", "",
-           "How far a vertex moves before the next set-up, over the longest side of the surface.")
+           "Displacement of a vertex after which the mapping is set up again, over the largest "
+           "extent of the surface along an axis.")
            .in(non_negative())
            .or_else(defaults.moved)
            .when("positions", {"deformed"}),
        key::choice("kernel", all_kernels, "Radial function; `thin_plate`: r^2 ln r.")
            .or_else("wendland_c4")
            .when("method", {"radial_basis"}),
-       key::integer("cluster_size", "Vertices of one interpolant.")
+       key::integer("cluster_size", "Number of vertices of one interpolant.")
            .in(between(4, 1000))
            .or_else(defaults.radial_basis.cluster_size)
            .when("method", {"radial_basis"}),
@@ -149,16 +151,16 @@ Mapping::Mapping(const InterfaceMesh& structure, const InterfaceMesh& soil,
                  const MappingSettings& settings)
     : dim_(structure.dim) {
   require<ConfigError>(structure.dim == soil.dim,
-                       "interface \"{}\": the structure's side has dimension {}, the "
-                       "soil's {}; allowed: equal",
+                       "interface \"{}\": the structure's surface has dimension {}, the soil's {}; "
+                       "allowed: equal",
                        structure.name, structure.dim, soil.dim);
   const Surface from(structure);
   const Surface to(soil);
   identity_ = structure.coordinates == soil.coordinates;
   require<ConfigError>(
       identity_ || from.has_facets() || settings.method != "nearest_projection",
-      "interface \"{}\": the structure's side has no facets, which nearest_projection "
-      "needs; allowed: nearest_neighbor, radial_basis",
+      "interface \"{}\": the structure's surface has no facets, which nearest_projection needs; "
+      "allowed: nearest_neighbor, radial_basis",
       from.name());
   const std::vector<SurfacePoint> images = find_images(from, to, settings);
   if (from.has_facets() && to.has_facets()) check_normals(from, to, soil);

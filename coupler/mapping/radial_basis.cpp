@@ -123,8 +123,8 @@ std::string refusal(const Surface& from, const Cluster& cluster,
   const Vector3d& c = cluster.centre();
   return fmt::format(
       "interface \"{}\": radial basis functions with a support of {:.3g} m on the {} vertices of "
-      "the structure within {:.3g} m of ({}, {}, {}) have a singular system; allowed: vertices of "
-      "which none stands twice, a smaller coupling/mapping/support or a rougher kernel",
+      "the structure within {:.3g} m of ({}, {}, {}) have a singular system; allowed: each vertex "
+      "once, a smaller coupling/mapping/support or a rougher kernel",
       from.name(), settings.support.value(), cluster.vertices().size(), cluster.radius(), c(0),
       c(1), c(2));
 }

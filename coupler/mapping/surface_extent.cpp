@@ -36,8 +36,8 @@ std::string unit_hint(const InterfaceMesh& structure, const InterfaceMesh& soil)
   const double ratio = std::max(a, b) / std::min(a, b);
   if (!(std::abs(ratio / thousand - 1) <= thousand_tolerance)) return "";
   return fmt::format(
-      "; the structure's side extends over {:.4g}, the soil's over {:.4g}, a factor of about 1000: "
-      "one of them seems to be in millimetres, allowed: metres",
+      "; the structure's surface extends over {:.4g}, the soil's over {:.4g}, a factor of about "
+      "1000: one of them seems to be in millimetres, allowed: metres",
       a, b);
 }
 

@@ -129,7 +129,7 @@ void CoupledStep::end_unconverged(Attempt& now) {
     return;
   }
   now.outcome = Outcome::unconverged;
-  log::warn("step {} accepted all the same: {}", now.request.step, failure_text(now));
+  log::warn("step {} accepted without convergence: {}", now.request.step, failure_text(now));
   ++counts_.accepted_unconverged;
 }
 
@@ -177,8 +177,8 @@ void CoupledStep::accelerate(Attempt& now) {
   if (!now.row.acceleration.fell_back) return;
   ++counts_.filter_fallbacks;
   log::warn(
-      "step {} iteration {}: with the filter of coupler.json the residual does not get "
-      "smaller; from here on the default one is used, qr2 with {}",
+      "step {} iteration {}: the residual does not decrease with the filter of coupler.json; from "
+      "now on the default one acts, qr2 with {}",
       now.request.step, now.request.iteration, Filter().limit);
 }
 

@@ -18,8 +18,8 @@ namespace {
 Solver& find_solver(const std::vector<NamedSolver>& participants, const std::string& name) {
   const auto found = std::find_if(participants.begin(), participants.end(),
                                   [&](const NamedSolver& p) { return p.name == name; });
-  require<ConfigError>(found != participants.end(),
-                       "participant \"{}\" of coupler.json is not there", name);
+  require<ConfigError>(found != participants.end(), "participant \"{}\" of coupler.json is missing",
+                       name);
   return found->solver;
 }
 
@@ -88,14 +88,16 @@ void Sides::check_changing(const std::vector<InterfaceSettings>& interfaces) con
         soils_, [&](const Side& side) { return side.name() == interface.soil; });
     require<ConfigError>(
         takes_facets(soil->solver()),
-        "interface \"{}\": facets of \"{}\" may leave it, and \"{}\" does not take others, "
+        "interface \"{}\": facets of \"{}\" may leave it, and \"{}\" cannot take other facets, "
         "allowed: a soil with contact by facets and without boulders",
         interface.name, interface.structure, interface.soil);
     require<ConfigError>(
         map_->has_same_vertices(interface.name),
         "interface \"{}\": facets of \"{}\" may leave it, and \"{}\" has other vertices, allowed: "
-        "the same ones, from the mesh, \"groups\" and \"behind\" of the structure's interface",
+        "the same ones: \"surface\" of mpm.json with the mesh, \"groups\" and \"behind\" of the "
+        "interface in fem.json",
         interface.name, interface.structure, interface.soil);
+    map_->require_same_facets(interface.name);
   }
 }
 
@@ -130,9 +132,9 @@ void Sides::tell_force_kinds() {
       continue;
     }
     log::warn(
-        "participant \"{}\" takes the soil's mean forces of a step as those of its end: half a "
-        "step "
-        "late, and energy is made where contact opens (protocol/README.md, section 3)",
+        "participant \"{}\" takes the soil's mean forces of a step as those of its end: they act "
+        "half a step late, and energy is created where contact opens (protocol/README.md, section "
+        "3)",
         structure.name());
   }
 }

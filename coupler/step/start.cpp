@@ -48,8 +48,8 @@ void tell_start(Solver& soil, const InterfaceLayout& layout, const Eigen::Vector
     return set_start(soil, start);
   }
   log::warn(
-      "participant \"{}\" does not take displacements of the start: it meets interfaces that start "
-      "displaced ({}) there only from its first step on, in which they move by all of it at once",
+      "participant \"{}\" does not take displacements of the start: for it, interfaces that start "
+      "displaced ({}) move by all of that in the first step",
       layout.participant(), text);
 }
 

@@ -84,15 +84,16 @@ KeyTable cross_section_keys() {
   };
   const std::vector<std::string> general = {"general"};
   return {"cross_section",
-          "Section of a beam; its axes 2 and 3 lie in it, in the plane 3 is across the plane.",
+          "Cross-section of a beam. Axes 2 and 3 lie in it; in 2D axis 3 is normal to the plane.",
           {key::choice("shape", {"rectangle", "circle", "pipe", "general"},
-                       "Shape, with shear areas of Cowper (1966), or given numbers."),
-           length("height", "Along axis 2.", {"rectangle"}),
-           length("width", "Along axis 3.", {"rectangle"}),
+                       "Shape, whose shear areas are those of Cowper (1966); `general`: all values "
+                       "are given."),
+           length("height", "Extent along axis 2.", {"rectangle"}),
+           length("width", "Extent along axis 3.", {"rectangle"}),
            length("diameter", "Outer diameter.", {"circle", "pipe"}),
            length("wall", "Thickness of the wall.", {"pipe"}),
            key::number("area", "m^2", "Area.").in(positive()).when("shape", general),
-           key::vector("shear_areas", "m^2", "For shear forces along axes 2 and 3.")
+           key::vector("shear_areas", "m^2", "Shear areas for forces along axes 2 and 3.")
                .in(positive())
                .wide(2, 2)
                .when("shape", general),
@@ -100,7 +101,8 @@ KeyTable cross_section_keys() {
                .in(positive())
                .wide(2, 2)
                .when("shape", general),
-           key::number("torsion_constant", "m^4", "Moment of the torsional stiffness.")
+           key::number("torsion_constant", "m^4",
+                       "Torsion constant: torsional stiffness over shear modulus.")
                .in(positive())
                .when("shape", general)}};
 }
@@ -108,18 +110,20 @@ KeyTable cross_section_keys() {
 std::vector<Key> beam_keys() {
   const std::vector<std::string> beam = {"beam"};
   return {
-      key::object("cross_section", cross_section_keys(), "Section of the beams.").when("law", beam),
+      key::object("cross_section", cross_section_keys(), "Cross-section of the beams.")
+          .when("law", beam),
       key::vector("orientation", "",
-                  "Direction of axis 2 of the section, any length, not along the beam; the "
-                  "part across the beam counts. Needed unless the section is round.")
+                  "Direction of axis 2 of the section, a vector of any length, not along the beam; "
+                  "only its part normal to the beam counts. Needed unless the section is round.")
           .wide(3, 3)
           .or_none()
           .when("law", beam)
           .only("in 3D"),
       key::number(
           "spacing", "m",
-          "Distance of the beams across the plane: one of them bears this thickness. Forces "
-          "and moments in tables are per metre of it: times the distance those of a beam.")
+          "Distance between beams normal to the plane; each of them carries this thickness. Forces "
+          "and moments in tables are per metre of thickness; times this distance they are those of "
+          "one beam.")
           .in(positive())
           .or_else(1)
           .when("law", beam)

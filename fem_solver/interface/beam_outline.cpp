@@ -96,17 +96,16 @@ std::array<Vector<3>, 2> section_at(const FemSettings<dim>& s, const LineMateria
     const auto bend = Eigen::Quaterniond::FromTwoVectors(own.col(0), other.col(0));
     require<ConfigError>(
         (bend * own.col(1)).dot(other.col(1)) > least_turned_cosine,
-        "{}: found beams at node {} whose second axes are turned about the beam by "
-        "more than 25 degrees to each other, allowed: less; give an "
-        "\"orientation\", or groups of their own",
+        "{}: found beams at node {} whose second axes differ by more than 25 degrees about the "
+        "beam, allowed: less; give an \"orientation\", or groups of their own",
         where, node);
   }
   for (int k = 0; k < 2; ++k) {
     const Vector<3> mean = (own.col(1 + k) + other.col(1 + k)).normalized();
     const double cosine = mean.dot(own.col(1 + k));
     require<ConfigError>(cosine > least_cosine,
-                         "{}: found beams at node {} whose sections are turned by more than 120 "
-                         "degrees to each other, allowed: less; give them groups of their own",
+                         "{}: found beams at node {} whose sections differ by a rotation of more "
+                         "than 120 degrees, allowed: less; give them groups of their own",
                          where, node);
     axes[k] = mean / cosine;
   }

@@ -28,7 +28,8 @@ ChangingSurfaces<dim>::ChangingSurfaces(const FemSettings<dim>& settings,
   require<ConfigError>(
       std::ranges::any_of(settings.materials, [](const auto& m) { return m.failure.any(); }),
       "{}: found cells behind an interface, and no material of cells that fails, allowed: with "
-      "\"failure_plastic_strain\" in \"material\"",
+      "\"failure_plastic_strain\" in \"material\", of concrete \"failure_strain\" or "
+      "\"failure_crushing_strain\"",
       changing->behind_where);
   owner_.assign(static_cast<std::size_t>(mesh.num_cells()), -1);
   for (std::size_t s = 0; s < settings.interfaces.size(); ++s) {

@@ -34,7 +34,7 @@ class ChangingSurfaces {
   /// @param lost  share of its stress that each cell of the mesh lost, in the accepted state
   /// @param u     displacements then, num_nodes x dim [m]
   void accept(std::span<const double> lost, std::span<const double> u);
-  /// The same for a state that is loaded, from what it has of visit_state.
+  /// Surfaces of a state that is loaded, from what visit_state has read of it.
   void load(std::span<const double> lost);
   /// Put the vertices that stay in their places.
   void hold(InterfaceValues& displacements) const;

@@ -32,7 +32,7 @@ enum class Formulation {
   solid_shell  ///< a plate or shell of one cell across (hex8), of any slenderness
 };
 
-/// Which axis of a cell lies across a solid shell.
+/// Axis of a cell along which the thickness of a solid shell lies.
 enum class Thickness {
   shortest,   ///< the shortest one
   numbering,  ///< from its first four nodes to the last four

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "fem_solver/materials/log_law.hpp"
 
@@ -10,26 +11,41 @@ namespace gabion::fem {
 
 namespace {
 
-/// Elastic stress on its axes, split by sign.
+/// Elastic stress s on its axes, split into two parts that do no work on each other's strain: s- is
+/// the stress without tension that is nearest to s in the norm of C^-1, so that the strain C^-1 s+
+/// of the rest opens all of its axes. With e_i the opening strains and p = lambda sum e_i,
+///
+///     s_i = p + 2 mu e_i + s-_i ,   e_i = max(s_i - p, 0) / (2 mu) ,   s-_i = min(s_i - p, 0)
 template <int dim>
 struct ElasticStress {
   Eigenpairs<dim> pairs;
+  double shift = 0;                     // p [Pa]
+  int opened = 0;                       // number of axes that open
   Symmetric<dim> tensile, compressive;  // s+, s-
+  std::array<double, 3> negative;       // values of s-
   int first = 0, last = 0;              // axes of the largest and the least stress
 
-  explicit ElasticStress(const Symmetric<dim>& s) : pairs(eigenpairs<dim>(s)) {
-    std::array<double, 3> positive, negative;
+  ElasticStress(const Symmetric<dim>& s, double lambda, double mu) : pairs(eigenpairs<dim>(s)) {
+    std::array<double, 3> falling = pairs.value;
+    std::ranges::sort(falling, std::greater<>());
+    for (double sum = 0; opened < 3 && falling[opened] > shift;) {
+      sum += falling[opened++];
+      shift = lambda * sum / (2 * mu + opened * lambda);
+    }
+    std::array<double, 3> positive;
     for (int i = 0; i < 3; ++i) {
-      positive[i] = std::max(pairs.value[i], 0.0);
-      negative[i] = std::min(pairs.value[i], 0.0);
+      positive[i] = shift + std::max(pairs.value[i] - shift, 0.0);
+      negative[i] = std::min(pairs.value[i] - shift, 0.0);
       if (pairs.value[i] > pairs.value[first]) first = i;
       if (pairs.value[i] < pairs.value[last]) last = i;
     }
     tensile = compose<dim>(positive, pairs.n);
     compressive = compose<dim>(negative, pairs.n);  // s - s+ would leave its round-off
   }
+  bool opens(int i) const { return pairs.value[i] > shift; }
   double largest() const { return pairs.value[first]; }
-  double least() const { return pairs.value[last]; }
+  /// 2 mu times the largest of the opening strains.
+  double opening() const { return std::max(largest() - shift, 0.0); }
 
   /// n_i (x) n_i; of the axis out of the plane, zero.
   Matrix<dim> along(int i) const {
@@ -46,63 +62,88 @@ struct ElasticStress {
   }
 };
 
-/// Derivative of s+ by s of the components on the dim axes, symmetric.
+/// Derivatives of the split by the strain, of the components on the dim axes.
 template <int dim>
-StrainMatrix<dim> tensile_projector(const ElasticStress<dim>& s) {
-  StrainMatrix<dim> P = StrainMatrix<dim>::Zero();
-  for (int i = 0; i < dim; ++i) {
-    const double s_i = s.pairs.value[i];
-    if (s_i > 0) {
-      const StrainVector<dim> m = strain_vector<dim>(s.along(i));
-      P += m * m.transpose();
-    }
-    for (int j = i + 1; j < dim; ++j) {
-      const double s_j = s.pairs.value[j], positive = s_i > 0 ? 1 : 0;
-      const double share =
-          s_i == s_j ? positive : (std::max(s_i, 0.0) - std::max(s_j, 0.0)) / (s_i - s_j);
-      const Matrix<dim> pair = dyad(s.pairs.n, i, j);
-      const StrainVector<dim> m =
-          strain_vector<dim>(Matrix<dim>(pair + pair.transpose())) * std::sqrt(0.5);
-      P += share * m * m.transpose();
-    }
-  }
-  return P;
-}
+struct SplitSlopes {
+  StrainVector<dim> unit = StrainVector<dim>::Zero();     // 1
+  StrainVector<dim> sum = StrainVector<dim>::Zero();      // of sum e_i
+  StrainMatrix<dim> tensile = StrainMatrix<dim>::Zero();  // of s+, symmetric
 
-/// Equivalent stress of one sign, and its derivative by the elastic stress.
-template <int dim>
-struct Equivalent {
-  double value = 0;
-  Symmetric<dim> slope = Symmetric<dim>::Zero();
+  SplitSlopes(const ElasticStress<dim>& s, double lambda, double mu) {
+    unit.template head<dim>().setOnes();
+    StrainVector<dim> N = StrainVector<dim>::Zero();  // sum of n_i (x) n_i of the axes that open
+    for (int i = 0; i < dim; ++i) {
+      if (s.opens(i)) {
+        const StrainVector<dim> m = strain_vector<dim>(s.along(i));
+        tensile += m * m.transpose();
+        N += m;
+      }
+      for (int j = i + 1; j < dim; ++j) add_pair(s, i, j);
+    }
+    const double axes = s.opened * lambda, modulus = 2 * mu + axes;
+    sum = (2 * mu * N + axes * unit) / modulus;
+    tensile *= 2 * mu;
+    tensile += lambda * (unit * sum.transpose());
+    tensile += 2 * mu * lambda / modulus * N * (unit - N).transpose();
+  }
+
+  /// Turn of two axes against each other.
+  void add_pair(const ElasticStress<dim>& s, int i, int j) {
+    const double s_i = s.pairs.value[i], s_j = s.pairs.value[j];
+    const double open_i = std::max(s_i - s.shift, 0.0), open_j = std::max(s_j - s.shift, 0.0);
+    const double share = s_i == s_j ? (s.opens(i) ? 1 : 0) : (open_i - open_j) / (s_i - s_j);
+    const Matrix<dim> pair = dyad(s.pairs.n, i, j);
+    const StrainVector<dim> m =
+        strain_vector<dim>(Matrix<dim>(pair + pair.transpose())) * std::sqrt(0.5);
+    tensile += share * m * m.transpose();
+  }
 };
 
-/// Both equivalent stresses: in uniaxial tension or compression they are the stress itself.
+/// Equivalent stress of one sign, and its derivative by the values of a stress on its axes.
+struct Equivalent {
+  double value = 0;
+  std::array<double, 3> slope{};
+};
+
+/// Q = alpha I_1 + sqrt(3 J_2) of a stress by its values.
+Equivalent drucker_prager(const std::array<double, 3>& s, double alpha) {
+  const double I_1 = s[0] + s[1] + s[2];
+  double square = 0;  // 2 J_2
+  for (const double s_i : s) square += (s_i - I_1 / 3) * (s_i - I_1 / 3);
+  const double root = std::sqrt(1.5 * square);
+  Equivalent Q{.value = alpha * I_1 + root};
+  for (int i = 0; i < 3; ++i) {
+    Q.slope[i] = alpha + (root > 0 ? 1.5 * (s[i] - I_1 / 3) / root : 0);
+  }
+  return Q;
+}
+
+/// Both equivalent stresses: in uniaxial tension or compression they are the stress itself. The
+/// slope of the tensile one is by s, that of the compressive one by s-.
 template <int dim>
 struct Equivalents {
-  Equivalent<dim> tensile, compressive;
+  Equivalent tensile, compressive;
 
-  Equivalents(const Concrete<dim>& law, const Symmetric<dim>& stress, const ElasticStress<dim>& s) {
+  Equivalents(const Concrete<dim>& law, const ElasticStress<dim>& s) {
     const double alpha = (law.biaxial_ratio - 1) / (2 * law.biaxial_ratio - 1);
-    const double f_t = law.tension.strength, f_c = law.crushing.strength;
-    const double beta = f_c / f_t * (1 - alpha) - (1 + alpha);
-    const double I_1 = trace<dim>(stress);
-    Symmetric<dim> deviator = stress;
-    deviator.template head<3>().array() -= I_1 / 3;
-    const double root = std::sqrt(1.5 * contract<dim>(deviator, deviator));  // sqrt(3 J_2)
-    const double Q = alpha * I_1 + root;
-    Symmetric<dim> slope = Symmetric<dim>::Zero();
-    slope.template head<3>().setConstant(alpha);
-    if (root > 0) slope += 1.5 / root * deviator;
-    if (s.least() < 0) {
-      compressive.value = Q / (1 - alpha);
-      compressive.slope = slope / (1 - alpha);
+    compressive = drucker_prager(s.negative, alpha);
+    compressive.value /= 1 - alpha;
+    for (int i = 0; i < 3; ++i) {
+      if (s.opens(i)) compressive.slope[i] = 0;
+      compressive.slope[i] /= 1 - alpha;
     }
     if (!(s.largest() > 0)) return;
-    const double scale = f_t / (f_c * (1 - alpha));
-    tensile.value = scale * (Q + beta * s.largest());
-    std::array<double, 3> first{};
-    first[s.first] = 1;
-    tensile.slope = scale * (slope + beta * compose<dim>(first, s.pairs.n));
+    std::array<double, 3> one_tension;
+    for (int i = 0; i < 3; ++i) one_tension[i] = std::min(s.pairs.value[i], 0.0);
+    one_tension[s.first] = s.largest();
+    const double share = law.tension.strength / (law.crushing.strength * (1 - alpha));
+    tensile = drucker_prager(one_tension, alpha);
+    tensile.value = share * tensile.value + (1 - share * (1 + alpha)) * s.largest();
+    for (int i = 0; i < 3; ++i) {
+      if (i != s.first && s.pairs.value[i] > 0) tensile.slope[i] = 0;
+      tensile.slope[i] *= share;
+    }
+    tensile.slope[s.first] += 1 - share * (1 + alpha);
   }
 };
 
@@ -168,47 +209,32 @@ Damages find_damages(const ConcreteOfCell<dim>& cell, const ElasticStress<dim>& 
   return {plus, minus};
 }
 
-/// dT/dE
+/// dT/dE; it is symmetric where no damage grows.
 template <int dim>
 StrainMatrix<dim> tangent(const Concrete<dim>& law, const ElasticStress<dim>& s,
                           const Equivalents<dim>& equivalents, const Damages& damages) {
   const double d_plus = damages.plus.damage.value, d_minus = damages.minus.damage.value;
-  const StrainMatrix<dim> unit = StrainMatrix<dim>::Identity();
-  const auto elastic = [&law](const Symmetric<dim>& g) {  // C : g on the dim axes
-    StrainVector<dim> v = 2 * law.mu * strain_vector<dim>(in_plane<dim>(g));
-    v.template head<dim>().array() += law.lambda * trace<dim>(g);
+  const double lambda = law.lambda, mu = law.mu;
+  const SplitSlopes<dim> split(s, lambda, mu);
+  StrainMatrix<dim> D = 2 * mu * (1 - d_minus) * StrainMatrix<dim>::Identity();
+  D.template topLeftCorner<dim, dim>().array() += lambda * (1 - d_minus);
+  if (d_plus != d_minus) D += (d_minus - d_plus) * split.tensile;
+  // Derivative by the strain of a function of a stress 2 mu E + trace 1 with the slope given.
+  const auto by_strain = [&](const Equivalent& t, const StrainVector<dim>& trace) {
+    StrainVector<dim> v =
+        2 * mu * strain_vector<dim>(in_plane<dim>(compose<dim>(t.slope, s.pairs.n)));
+    v += lambda * (t.slope[0] + t.slope[1] + t.slope[2]) * trace;
     return v;
   };
-  StrainMatrix<dim> C = 2 * law.mu * unit;
-  C.template topLeftCorner<dim, dim>().array() += law.lambda;
-  StrainMatrix<dim> D;
-  if (d_plus == d_minus) {
-    D = (1 - d_plus) * C;
-  } else {
-    D = ((d_minus - d_plus) * tensile_projector<dim>(s) + (1 - d_minus) * unit) * C;
-  }
   if (damages.plus.grows) {
     D -= damages.plus.damage.slope * strain_vector<dim>(in_plane<dim>(s.tensile)) *
-         elastic(equivalents.tensile.slope).transpose();
+         by_strain(equivalents.tensile, split.unit).transpose();
   }
   if (damages.minus.grows) {
     D -= damages.minus.damage.slope * strain_vector<dim>(in_plane<dim>(s.compressive)) *
-         elastic(equivalents.compressive.slope).transpose();
+         by_strain(equivalents.compressive, split.unit - split.sum).transpose();
   }
   return D;
-}
-
-/// Strain across the crack times its band, less the elastic strain of the stress there.
-template <int dim>
-double crack_opening(const ElasticStress<dim>& s, double d_plus, double d_minus, double modulus,
-                     double poisson) {
-  double strain = 0;
-  for (int i = 0; i < 3; ++i) {
-    const double s_i = s.pairs.value[i];
-    const double lost = (s_i > 0 ? d_plus : d_minus) * s_i;
-    strain += (i == s.first ? 1 : -poisson) * lost / modulus;
-  }
-  return std::max(strain, 0.0);
 }
 
 }  // namespace
@@ -220,17 +246,14 @@ void ConcreteOfCell<dim>::log_stress(const Symmetric<dim>& E, std::span<const do
   const double lambda = law.lambda, mu = law.mu;
   Symmetric<dim> stress = 2 * mu * E;
   stress.template head<3>().array() += lambda * trace<dim>(E);
-  const ElasticStress<dim> s(stress);
-  const Equivalents<dim> equivalents(law, stress, s);
+  const ElasticStress<dim> s(stress, lambda, mu);
+  const Equivalents<dim> equivalents(law, s);
   const Damages damages = find_damages(*this, s, equivalents, E, history);
   const double d_plus = damages.plus.damage.value, d_minus = damages.minus.damage.value;
   out.T = (1 - d_plus) * s.tensile + (1 - d_minus) * s.compressive;
   out.energy = 0.5 * contract<dim>(out.T, E);
   out.D = tangent(law, s, equivalents, damages);
-  const double poisson = lambda / (2 * (lambda + mu));
-  history[4] = d_plus > 0 && s.largest() > 0
-                   ? history[2] * crack_opening(s, d_plus, d_minus, law.tension.modulus, poisson)
-                   : 0;
+  history[4] = history[2] * d_plus * s.opening() / (2 * mu);
 }
 
 template <int dim>

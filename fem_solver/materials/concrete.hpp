@@ -15,11 +15,14 @@ namespace gabion::fem {
 /// Concrete that cracks and crushes (d+/d-): Hencky elasticity with a damage of the tensile and one
 /// of the compressive part of the elastic stress s = C : E, E the logarithmic strain,
 ///
-///     T = (1 - d+) s+ + (1 - d-) s- ,   s+ = sum max(s_i, 0) n_i (x) n_i ,   s- = s - s+
+///     T = (1 - d+) s+ + (1 - d-) s- ,   s+ : C^-1 : s- = 0
 ///
-/// so that cracks close stiff. Each damage is that of a bar at the largest equivalent stress r+, r-
-/// so far; an explicit function of E and the accepted r. The tangent is not symmetric.
-/// @see Faria, Oliver and Cervera (1998); Wu, Li and Faria (2006); docs/theory/structure.md
+/// s- the stress without tension that is nearest to s in the norm of C^-1, so that T is the slope
+/// of an energy at constant damage, cracks close stiff, and a crack that is open bears what a body
+/// without tension bears. Each damage is that of a bar at the largest equivalent stress r+, r- so
+/// far; an explicit function of E and the accepted r. The tangent is not symmetric.
+/// @see Del Piero (1989); Freddi and Royer-Carfagni (2010); Wu and Cervera (2018); Faria, Oliver
+/// and Cervera (1998); Wu, Li and Faria (2006); docs/theory/structure.md
 template <int dim>
 struct Concrete {
   static constexpr bool is_elastic = false;
@@ -41,10 +44,23 @@ struct Concrete {
   double p_wave_modulus() const { return lambda + 2 * mu; }
   double shear_modulus() const { return mu; }
 
+  /// Width from which on a bar gives back more energy than its crack takes [m].
+  double widest_crack_band() const {
+    return tension.widest_band() * crushing.modulus / tension.modulus;
+  }
+
   /// Damage in tension and in compression that a point has.
   double tensile_damage(std::span<const double> history) const;
   double compressive_damage(std::span<const double> history) const;
   static double crack_width(std::span<const double> history) { return history[4]; }  ///< [m]
+  /// Strain that opens the crack: its width over that of its band.
+  static double opening_strain(std::span<const double> history) {
+    return history[2] > 0 ? history[4] / history[2] : 0;
+  }
+  /// Compressive strain, positive, at which a bar is crushed as far; it never falls.
+  double crushing_strain(std::span<const double> history) const {
+    return history[1] / crushing.modulus;
+  }
   static double damage_work(std::span<const double> history) { return history[5]; }  ///< [J/m^3]
 };
 

@@ -13,15 +13,19 @@ namespace gabion::fem {
 /// material never fails.
 struct FailureLimits {
   std::optional<double> plastic_strain;  ///< the largest of a point, of a beam of a fibre
-  std::optional<double> force;        ///< tension of a line [N]
-  std::optional<double> strain;  ///< of a line from its stress-free length, without its brake's run
-  int fade_steps = 3;            ///< steps in which the stress of a failed cell falls to zero
+  std::optional<double> force;           ///< tension of a line [N]
+  /// Of a line from its stress-free length, without its brake's run; of concrete, that which opens
+  /// its crack, mean of the points of a cell.
+  std::optional<double> strain;
+  /// Of concrete: that at which a bar is crushed as far, mean of the points of a cell.
+  std::optional<double> crushing_strain;
+  int fade_steps = 3;  ///< steps in which the stress of a failed cell falls to zero
 
-  bool any() const { return plastic_strain || force || strain; }
+  bool any() const { return plastic_strain || force || strain || crushing_strain; }
 };
 
 /// Reason for which a cell or line failed.
-enum class FailureReason { none, plastic_strain, force, strain };
+enum class FailureReason { none, plastic_strain, force, strain, crushing_strain };
 
 /// A reason in words, with value, limit and unit.
 std::string describe(FailureReason reason, double value, double limit);

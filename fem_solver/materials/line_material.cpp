@@ -84,37 +84,39 @@ double plastic_work(const LineMaterial& bar, std::span<const double> history) {
 
 std::vector<Key> line_keys() {
   const std::vector<std::string> brake = {"brake"}, along = {"truss", "cable", "brake", "bar"};
-  return {key::number("area", "m^2",
-                      "Section of a line without stress; in 2D per metre of thickness [m].")
-              .in(positive())
-              .when("law", along),
-          key::number("pretension", "N",
-                      "Force in each line as the mesh has it; either this or `length_ratio`.")
-              .in(non_negative())
-              .or_none()
-              .when("law", along),
-          key::number("length_ratio", "",
-                      "Length without stress over the length in the mesh: below 1 tensioned, "
-                      "above 1 slack.")
-              .in(positive())
-              .or_none()
-              .when("law", along),
-          key::boolean("embedded",
-                       "Nodes of these lines that are no nodes of cells lie inside cells and move "
-                       "with them, without slip, at the place that they have in the mesh.")
-              .or_else(false)
-              .when("law", along),
-          key::rows("brake_table", "m, N",
-                    "Rows [run, force] of a brake in line with each cell of the group, the first "
-                    "at run 0: it runs out where the rope pulls with this force, and never back; "
-                    "linear between rows, held after.")
-              .wide(2, 2)
-              .not_empty()
-              .when("law", brake),
-          key::number("run_limit", "m", "Run at which the brake stops for good; without: none.")
-              .in(positive())
-              .or_none()
-              .when("law", brake)};
+  return {
+      key::number("area", "m^2",
+                  "Cross-section of a line without stress; in 2D per metre of thickness [m].")
+          .in(positive())
+          .when("law", along),
+      key::number("pretension", "N",
+                  "Force in each line at its length in the mesh; either this or "
+                  "`length_ratio`.")
+          .in(non_negative())
+          .or_none()
+          .when("law", along),
+      key::number("length_ratio", "",
+                  "Length without stress over the length in the mesh: below 1 tensioned, "
+                  "above 1 slack.")
+          .in(positive())
+          .or_none()
+          .when("law", along),
+      key::boolean("embedded",
+                   "Whether nodes of these lines that are not nodes of cells lie inside cells "
+                   "and move with them, without slip, at their place in the mesh.")
+          .or_else(false)
+          .when("law", along),
+      key::rows("brake_table", "m, N",
+                "Rows [run, force] of a brake in series with each cell of the group, the first "
+                "at run 0. The brake runs out when the rope pulls with this force, and never "
+                "back; linear between rows, constant after.")
+          .wide(2, 2)
+          .not_empty()
+          .when("law", brake),
+      key::number("run_limit", "m", "Run at which the brake stops for good; none: it never does.")
+          .in(positive())
+          .or_none()
+          .when("law", brake)};
 }
 
 namespace {

@@ -28,7 +28,7 @@ struct LineMaterial {
   double length_ratio = 1;      ///< stress-free length over the length in the mesh
   bool embedded = false;        ///< its nodes inside cells move with them
   bool in_compression = false;  ///< false: slack where it is shorter than stress-free
-  std::optional<Brake> brake;   ///< in line with each cell of the group
+  std::optional<Brake> brake;   ///< in series with each cell of the group
   std::optional<Hardening> hardening;  ///< of a bar or beam that yields, over strain of L0
   double kinematic_modulus = 0;        ///< of these [Pa]
   std::optional<BeamData> beam;        ///< they bend, shear and twist, too

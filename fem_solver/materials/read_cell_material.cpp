@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "fem_solver/materials/cell_material.hpp"
@@ -26,22 +29,23 @@ KeyTable material_table(const std::string& name, const std::string& sentence,
   const auto concrete = concrete_keys();
   table.keys.insert(table.keys.end(), concrete.begin(), concrete.end());
   table.keys.push_back(key::object("rayleigh", rayleigh_keys(),
-                                   "Damping of its cells, K elastic, before loading; in a dynamic "
-                                   "analysis, of coupled structures with the scheme `newmark`.")
+                                   "Damping of its cells, with the elastic K before loading. In a "
+                                   "dynamic analysis only; in coupled structures with the scheme "
+                                   "`newmark` only.")
                            .or_none());
   table.keys.push_back(
       key::choice(
           "formulation", {"full", "enhanced", "reduced", "solid_shell"},
-          "`enhanced`: enhanced assumed strains, of quad4 and hex8: slender members bend "
-          "as they should with one cell across, and nothing locks. `reduced`: 2 quadrature "
-          "points along each axis, of quad8 and hex20: faster, and does not lock in plastic "
-          "flow. `solid_shell`: a plate or shell with one hex8 across its thickness bends as it "
-          "should, curved and twisted too; laws that yield have 6 points across, others 2.")
+          "`enhanced` (quad4, hex8): enhanced assumed strains; slender members bend correctly with "
+          "one cell across, and nothing locks. `reduced` (quad8, hex20): 2 quadrature points along "
+          "each axis; faster, and free of locking in plastic flow. `solid_shell` (hex8): plates "
+          "and shells, curved and twisted too, bend correctly with one cell across; laws that "
+          "yield have 6 points across, others 2.")
           .or_else("full"));
   table.keys.push_back(
       key::choice("thickness", {"shortest", "numbering", "side"},
-                  "Which way the thickness of a cell lies. `shortest`: along its shortest axis, "
-                  "of at most half the others. `numbering`: from its first four nodes to the last "
+                  "Direction of the thickness of a cell. `shortest`: along its shortest axis, of "
+                  "at most half the others. `numbering`: from its first four nodes to the last "
                   "four, as layers that Gmsh extrudes are numbered. `side`: across the facets of "
                   "`thickness_side`.")
           .or_else("shortest")
@@ -82,9 +86,9 @@ KeyTable group_material_keys() {
   laws.insert(laws.end(), line_laws.begin(), line_laws.end());
   table.keys.front() =
       key::choice("law", laws,
-                  "Law of the stress; of lines `truss`, `cable` (slack where "
-                  "shorter than without stress), `brake` (a cable with a brake), `bar` (a truss "
-                  "that yields: reinforcement) or `beam` (it bends, shears and twists).");
+                  "Law of the stress. Laws of lines: `truss`, `cable` (slack when shorter than "
+                  "without stress), `brake` (a cable with a brake), `bar` (a truss that yields: "
+                  "reinforcement) or `beam` (it bends, shears and twists).");
   std::vector<std::string> with_ratio = laws_of_cells;
   with_ratio.push_back("beam");
   for (Key& key : table.keys) {
@@ -123,6 +127,18 @@ void read_thickness(ConfigReader& in, CellMaterial<dim>& material) {
   material.thickness_where = in.where("thickness_side");
 }
 
+/// Refuse a limit at which the concrete would fail before its strength.
+template <int dim>
+void check_crushing_limit(const ConfigReader& in, const Concrete<dim>& law,
+                          const FailureLimits& limits) {
+  const double at_strength = law.crushing.strain_at_strength;
+  if (!limits.crushing_strain || *limits.crushing_strain > at_strength) return;
+  in.fail("failure_crushing_strain",
+          fmt::format("found {:.6g}, allowed: above \"strain_at_strength\" = {:.6g}, where the "
+                      "concrete has its strength",
+                      *limits.crushing_strain, at_strength));
+}
+
 }  // namespace
 
 template <int dim>
@@ -149,10 +165,13 @@ CellMaterial<dim> read_cell_material(ConfigReader in, bool of_group) {
   read_thickness(in, material);
   material.rayleigh = read_rayleigh(in);
   material.failure = read_failure(in, material.law_name);
+  if (const auto* law = std::get_if<Concrete<dim>>(&material.law)) {
+    check_crushing_limit(in, *law, material.failure);
+  }
   if (material.failure.any() && material.rayleigh.stiffness > 0) {
     in.fail("rayleigh",
-            "found damping by stiffness of cells that may fail, which would hold what "
-            "they held, allowed: damping by mass alone, or no limits of failure");
+            "found damping by stiffness of cells that may fail: it would still hold the parts "
+            "around a failed cell; allowed: damping by mass alone, or no limits of failure");
   }
   in.finish();
   return material;

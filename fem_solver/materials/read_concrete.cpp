@@ -18,26 +18,28 @@ std::vector<Key> concrete_keys() {
           .in(positive())
           .when("law", law),
       key::number("fracture_energy", "J/m^2",
-                  "Energy that a crack takes per area until it is open. Cells as wide as 2 E times "
-                  "it over the square of the tensile strength, or wider, are refused.")
+                  "Energy per area that opens a crack fully. Cells must be narrower than 2 E times "
+                  "it over the square of the tensile strength.")
           .in(positive())
           .when("law", law),
       key::number("compressive_strength", "Pa", "Strength in uniaxial compression, positive.")
           .in(positive())
           .when("law", law),
       key::number("crushing_energy", "J/m^2",
-                  "Energy that crushing takes per area beyond the compressive strength. Cells as "
-                  "wide as E times it over the square of that strength, or wider, are refused.")
+                  "Energy per area of crushing beyond the compressive strength. Cells must be "
+                  "narrower than E times it over the square of that strength.")
           .in(positive())
           .when("law", law),
       key::number("elastic_limit_ratio", "",
-                  "Compressive stress up to which it is elastic, over the compressive strength.")
+                  "Compressive stress up to which the concrete is elastic, over the compressive "
+                  "strength.")
           .in(inside(0, 1))
           .or_else(0.4)
           .when("law", law),
       key::number("strain_at_strength", "",
-                  "Strain at the compressive strength, positive; between the elastic limit and it "
-                  "the stress is a parabola, which must not begin steeper than Young's modulus.")
+                  "Strain at the compressive strength, positive. From the elastic limit up to it "
+                  "the stress follows a parabola, which must not begin steeper than Young's "
+                  "modulus.")
           .in(positive())
           .or_else(2.2e-3)
           .when("law", law),
@@ -47,8 +49,8 @@ std::vector<Key> concrete_keys() {
           .or_else(1.16)
           .when("law", law),
       key::number("crack_spacing", "m",
-                  "Distance between cracks of reinforced concrete: where cells are wider, each has "
-                  "several cracks, of which each takes the fracture energy.")
+                  "Distance between cracks of reinforced concrete. A wider cell has several "
+                  "cracks, each of which takes the fracture energy.")
           .in(positive())
           .or_none()
           .when("law", law)};
@@ -58,7 +60,7 @@ namespace {
 
 void warn_of_units(const ConfigReader& in, const TensionCurve& tension,
                    const CrushingCurve& crushing) {
-  const double E = tension.modulus;
+  const double E = crushing.modulus;
   if (tension.strength > 1e-3 * E || tension.strength < 1e-6 * E) {
     log::warn(
         "{}: found {} Pa with young_modulus = {} Pa: concrete cracks at a strain of some 1e-4; "
@@ -87,7 +89,7 @@ Concrete<dim> read_concrete(ConfigReader& in, double lambda, double mu) {
   Concrete<dim> law;
   law.lambda = lambda;
   law.mu = mu;
-  law.tension = {.modulus = E,
+  law.tension = {.modulus = law.p_wave_modulus(),
                  .strength = in.number("tensile_strength"),
                  .fracture_energy = in.number("fracture_energy")};
   CrushingCurve& crushing = law.crushing;

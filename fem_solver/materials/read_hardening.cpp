@@ -25,7 +25,8 @@ std::vector<Key> yield_keys(const std::vector<std::string>& laws) {
               .without("yield_table"),
           key::rows("yield_table", "-, Pa",
                     "Isotropic hardening: rows [plastic strain, yield stress], true stress over "
-                    "logarithmic strain, the first at strain 0; linear between rows, held after.")
+                    "logarithmic strain, the first at strain 0; linear between rows, constant "
+                    "after.")
               .wide(2, 2)
               .not_empty()
               .or_none()

@@ -25,7 +25,8 @@ struct TensionCurve {
   double strength = 0;         ///< [Pa]
   double fracture_energy = 0;  ///< [J/m^2]
 
-  /// Width from which on a band would give back more energy than the crack takes [m].
+  /// Width from which on a band would give back more energy than the crack takes, even where it
+  /// cannot contract along the crack [m].
   double widest_band() const;
   /// @pre r >= 0, 0 < width < widest_band()
   CurvePoint at(double r, double width) const;

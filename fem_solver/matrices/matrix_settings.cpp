@@ -14,10 +14,12 @@ Key file_key(const std::string& name, const std::string& sentence) {
 KeyTable matrix_keys() {
   return {
       "matrices",
-      "A linear structure as matrices over its free unknowns, of any code. Files, relative to the "
-      "scene: matrices as Matrix Market, or of CalculiX where their names end in .sti, .mas, .dof.",
+      "A linear structure as matrices over its free unknowns, from any code. All are files, "
+      "relative to the scene; matrices in the format Matrix Market, or of CalculiX if their names "
+      "end in .sti, .mas, .dof.",
       {file_key("stiffness", "K [N/m], symmetric."),
-       file_key("mass", "M [kg], symmetric, positive definite; required but in statics.").or_none(),
+       file_key("mass", "M [kg], symmetric, positive definite; required except in statics.")
+           .or_none(),
        file_key("damping", "C [N s/m], symmetric, positive semidefinite.")
            .or_none()
            .without("rayleigh"),
@@ -27,20 +29,21 @@ KeyTable matrix_keys() {
        file_key("load", "Constant nodal forces [N] beside those of the interfaces, n x 1.")
            .or_none(),
        file_key("unknowns",
-                "What each row is: rows `node, direction`, 1 to 3 displacement, 4 to 6 "
-                "rotation."),
+                "Meaning of each row of the matrices: rows `node, direction`, with directions 1 to "
+                "3 for displacement, 4 to 6 for rotation."),
        file_key("held",
-                "What does not move, rows `node, direction` or `node` for all of it: taken "
-                "out of the matrices if it is in them.")
+                "Unknowns that do not move: rows `node, direction`, or `node` for all directions. "
+                "They are taken out of the matrices if these have them.")
            .or_none(),
        file_key("nodes",
-                "Rows `node, x, y` and z in 3D [m]: of wet surfaces, probes and frames. Each "
-                "component of their displacement is an unknown or held."),
-       file_key("cells", "Rows of node numbers in the order of Gmsh, for frames; none: the facets.")
+                "Nodes of wet surfaces, probes and frames: rows `node, x, y`, in 3D also z [m]. "
+                "Each component of their displacement is an unknown or held."),
+       file_key("cells",
+                "Cells for frames: rows of node numbers in the order of Gmsh; none: the facets.")
            .or_none(),
        key::integer("modes",
-                    "Craig-Bampton reduction: unknowns of the wet surfaces and so many "
-                    "modes with these held.")
+                    "Craig-Bampton reduction to the unknowns of the wet surfaces and this number "
+                    "of modes with these held.")
            .in(at_least(0))
            .or_none()}};
 }

@@ -147,11 +147,11 @@ void write_matrices(const FemSettings<dim>& settings, const Json& resolved, MPI_
                        "supports and constant loads");
   require<ConfigError>(settings.line_materials.empty(),
                        "--write-matrices: found line cells (\"law\" \"{}\"), allowed: a structure "
-                       "without, for a cable is not linear",
+                       "without lines, because a cable is not linear",
                        settings.line_materials.empty() ? "" : settings.line_materials[0].law_name);
   require<ConfigError>(!is_damped(settings),
                        "--write-matrices: found \"rayleigh\" or \"dashpots\", allowed: a structure "
-                       "without; \"rayleigh\" may be given beside the matrices");
+                       "without damping; \"rayleigh\" may be given beside the matrices");
   std::filesystem::create_directories(folder);
   Equilibrium<dim> equilibrium(settings, conditions, comm);
   const std::size_t num_dofs = equilibrium.num_dofs();

@@ -77,8 +77,8 @@ void log_failures(const FemSettings<dim>& settings, const ChangingSurfaces<dim>&
   if (wet.empty()) return;
   warned = true;
   log::warn(
-      "{}; it has facets of an interface: they stay in the wet surface, on their nodes, and the "
-      "soil goes on to push them (\"behind\" of the interface lets them leave)",
+      "{}; it has facets of an interface: they stay in the wet surface, and the soil still pushes "
+      "them (\"behind\" of the interface removes them)",
       wet);
 }
 

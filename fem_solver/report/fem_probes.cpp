@@ -324,7 +324,7 @@ void FemProbes<dim>::add_lines(const StructureState& state, const CellIntegrals<
       state.history ? std::span<const double>(*state.history) : std::span<const double>();
   for (std::size_t b = 0; b < cells.line_blocks().size(); ++b) {
     const LineBlock<dim>& block = cells.line_blocks()[b];
-    const auto own = cells.of_line_block(history, b);
+    const auto own = history_before_failure(block, cells.of_line_block(history, b), state.time);
     double largest = none, minus_least = none, run = none;
     for (const double force : block.forces(state.motion.u, own)) {
       largest = std::max(largest, force);

@@ -21,7 +21,8 @@ namespace gabion::fem {
 /// brake_work [J]; stress_max_<group> and stress_min_<group> [Pa] of bars; damping_work [J] where
 /// there is damping; damage_work [J] and the widest crack of all cells and of each group [m] where
 /// cells may crack; failed_cells, cells and lines that failed, and failed_energy [J], the elastic
-/// energy that they had, where some may fail.
+/// energy that they had, where some may fail. In the step in which a line begins to fail its forces
+/// are those that broke it.
 template <int dim>
 class FemProbes {
  public:

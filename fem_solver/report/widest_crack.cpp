@@ -21,7 +21,7 @@ WidestCrack wider_crack(const FemSettings<dim>& settings, const CellIntegrals<di
   }
   const double width = ranks.shared().largest(own);
   if (width <= earlier.width) return earlier;
-  // Of equal cells the one with the largest number in the whole mesh counts.
+  // Among cells of equal width the one with the largest number in the whole mesh counts.
   const double number = cell >= 0 && own == width ? ranks.cell_of_all(cell) : -1;
   const double last = ranks.shared().largest(number);
   WidestCrack crack{.width = width, .time = time};

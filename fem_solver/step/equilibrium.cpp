@@ -27,6 +27,10 @@ namespace {
 constexpr std::size_t large_dofs = 3000;  // in space
 constexpr double support_share = 1e-2;    // of the stiffness of taut lines
 
+// Share of the force that would stop the structure within the step: the residual is compared with
+// it too, since a structure that flies freely has no other force.
+constexpr double share_of_stopping = 1e-3;
+
 template <int dim>
 CellIntegrals<dim> make_cells(const FemSettings<dim>& settings) {
   std::optional<CellIntegrals<dim>> cells;
@@ -168,8 +172,8 @@ void Equilibrium<dim>::begin_step(const StructureMotion& motion_n, std::span<con
   for (std::size_t i = 0; i < f_start.size(); ++i) f_ext_[i] += memory * f_start[i];
   dt_ = dt;
   with_inertia_ = with_inertia;
-  start_force_ =
-      with_inertia ? 0 : shared().norm(f_start);  // of all ranks, those without cells too
+  start_force_ = with_inertia ? share_of_stopping / dt * shared().norm(mass_times(motion_n.v))
+                              : shared().norm(f_start);
 }
 
 template <int dim>

@@ -166,7 +166,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   std::vector<double> f_ext_;  // with the share of the forces at the start of the step
   double dt_ = 0;
   bool with_inertia_ = false;
-  double start_force_ = 0;  // norm of the forces at the start, in statics [N]
+  double start_force_ = 0;  // forces at the start; in dynamics a share of |M v| / dt [N]
   NodalForces forces_;
   double regularisation_share_ = 0;
   bool support_ = false;

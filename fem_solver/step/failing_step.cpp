@@ -48,11 +48,10 @@ void StructureStep<dim>::explain_failure(const StructureState& state_n,
   const auto own = static_cast<double>(count_failed(equilibrium_.cells(), *state_n.history));
   const double failed = shared().total(own);
   if (failed == 0) return;
-  throw_as(
-      fmt::format("{}; {} cells or lines failed, and statics have no equilibrium of a loaded part "
-                  "that nothing holds: \"analysis\" \"dynamic\" shows where it goes",
-                  error.what(), failed),
-      error);
+  throw_as(fmt::format("{}; {} cells or lines failed, and a loaded part that nothing holds has no "
+                       "static equilibrium: \"analysis\" \"dynamic\" shows where it goes",
+                       error.what(), failed),
+           error);
 }
 
 template std::vector<Failure> StructureStep<2>::fail_cells(double, StructureState&);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fem_solver/step/start_values.hpp"
 
+#include <algorithm>
+
 namespace gabion::fem {
 
 template <int dim>
@@ -21,9 +23,19 @@ std::vector<double> gravity_forces(const FemSettings<dim>& settings,
                                     : equilibrium.mass_times(g);
 }
 
+template <int dim>
+bool is_without_forces(const StructureState& reference, Equilibrium<dim>& equilibrium) {
+  if (!equilibrium.shared().all(std::ranges::all_of(reference.f_ext, is_zero))) return false;
+  const auto internal = equilibrium.internal_forces(reference.motion.u, reference.history).f;
+  return equilibrium.shared().all(std::ranges::all_of(internal, is_zero));
+}
+
 template std::vector<double> coordinates_of(const FemSettings<2>&);
 template std::vector<double> coordinates_of(const FemSettings<3>&);
 template std::vector<double> gravity_forces(const FemSettings<2>&, const Equilibrium<2>&);
 template std::vector<double> gravity_forces(const FemSettings<3>&, const Equilibrium<3>&);
+
+template bool is_without_forces(const StructureState&, Equilibrium<2>&);
+template bool is_without_forces(const StructureState&, Equilibrium<3>&);
 
 }  // namespace gabion::fem

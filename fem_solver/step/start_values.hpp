@@ -20,4 +20,9 @@ template <int dim>
 std::vector<double> gravity_forces(const FemSettings<dim>& settings,
                                    const Equilibrium<dim>& equilibrium);
 
+/// Whether neither loads nor forces within the structure, such as pretension, act in the reference
+/// state. @note Collective.
+template <int dim>
+bool is_without_forces(const StructureState& reference, Equilibrium<dim>& equilibrium);
+
 }  // namespace gabion::fem

@@ -59,9 +59,9 @@ void StaticStability<dim>::look_at(const StructureState& state_n, const Structur
   if (directions == 0 || unstable_states_++ > 0) return;
   log::warn(
       "t = {:.6g} s: the equilibrium that was found is not stable: the stiffness is negative in {} "
-      "direction(s), so the structure has buckled or snapped through on the way and would leave "
-      "this state; dynamics from the reference configuration show where it goes. summary.json "
-      "counts such states (unstable_equilibria)",
+      "direction(s), so the structure has buckled or snapped through and would leave this state. A "
+      "dynamic analysis from the reference configuration shows where it goes; summary.json counts "
+      "such states (unstable_equilibria)",
       state.time, directions);
 }
 

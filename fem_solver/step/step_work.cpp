@@ -62,9 +62,8 @@ double work_before_start(const Equilibrium<dim>& equilibrium,
   if (largest == 0) return 0;
   log::warn(
       "prescribed displacements are up to {:.3g} m at time 0, where all other nodes are at zero: "
-      "the "
-      "structure starts with {:.3g} J of elastic energy, counted as external work; without it: "
-      "tables that begin at 0, or \"initial_equilibrium\"",
+      "the structure starts with {:.3g} J of elastic energy, counted as external work; to avoid "
+      "it: tables that begin at 0, or \"initial_equilibrium\"",
       largest, state.elastic_energy);
   return state.elastic_energy;
 }

@@ -11,6 +11,7 @@
 #include "fem_solver/step/full_steps.hpp"
 #include "fem_solver/step/kept_factor.hpp"
 #include "fem_solver/step/start_values.hpp"
+#include "fem_solver/step/static_newton.hpp"
 #include "fem_solver/step/step_work.hpp"
 
 namespace gabion::fem {
@@ -24,6 +25,7 @@ StructureStep<dim>::StructureStep(const FemSettings<dim>& settings, MPI_Comm com
       beams_(settings.beam_nodes().any()),
       slender_(is_slender(settings.mesh, settings.ranks)),
       newton_(settings.newton),
+      static_newton_(static_newton(settings)),
       conditions_(settings),
       equilibrium_(settings, conditions_, comm),
       linear_(comm, dim, full_step_solver(settings)),
@@ -108,7 +110,7 @@ StructureState StructureStep<dim>::initial_state() {
   const StructureState reference = reference_state(f.end, equilibrium_.set_history(nullptr));
   StructureState state;
   if (nothing_changes(reference, f, conditions_.displacements(0)) &&
-      shared().all(std::ranges::all_of(reference.f_ext, is_zero))) {
+      is_without_forces(reference, equilibrium_)) {
     state = reference;
   } else {
     std::vector<double> du = first_guess(reference, 0);
@@ -207,7 +209,8 @@ NewtonReport StructureStep<dim>::solve_balance(const StructureState& state_n,
   equilibrium_.begin_step(state_n.motion, f_ext, start_forces(state_n, with_inertia), dt,
                           with_inertia);
   try {
-    const NewtonReport report = solve_newton<dim>(equilibrium_, matrix, newton_, du, times_);
+    const NewtonSettings& newton = with_inertia ? newton_ : static_newton_;
+    const NewtonReport report = solve_newton<dim>(equilibrium_, matrix, newton, du, times_);
     if (!matrix.is_usable) held_tangent_.reset();
     if (matrix.is_usable && report.matrices > 0) held_tangent_ = equilibrium_.last_tangent();
     newton_iterations_ += report.iterations;

@@ -101,7 +101,7 @@ class StructureStep {
   std::size_t num_places_;  // nodes without those of rotations
   bool beams_;
   bool slender_;
-  NewtonSettings newton_;
+  NewtonSettings newton_, static_newton_;  // with inertia, without
   BoundaryConditions<dim> conditions_;
   Equilibrium<dim> equilibrium_;
   LinearSolver<dim> linear_;

@@ -18,7 +18,7 @@ class BrickKinematics {
   static constexpr int num_modes = fem::num_modes<dim>, max_points = 1 << dim;
   static constexpr bool small_strain = small;
 
-  /// What a cell is: points x nodes, points, points.
+  /// Geometry of a cell: points x nodes, points, points.
   struct Geometry {
     const Vector<dim>* gradients;
     const double* weights;

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numeric>
 #include <utility>
-
+#include <variant>
 
 namespace gabion::fem {
 
@@ -47,17 +47,44 @@ double crossing_time(const LineBlock<dim>& block, std::size_t k) {
          std::sqrt(block.material().young_modulus / block.material().density);
 }
 
+/// A strain of the points of a cell of concrete, their mean; 0 of other laws.
+/// @param strain_of  (law, history of a point)
+template <int dim, class StrainOf>
+double mean_strain(const CellBlock<dim>& block, std::size_t c, std::span<const double> history,
+                   const StrainOf& strain_of) {
+  const auto* law = std::get_if<Concrete<dim>>(&block.material().law);
+  if (!law) return 0;
+  constexpr std::size_t size = Concrete<dim>::history_size;
+  const auto weights = block.weights(c);
+  double sum = 0, volume = 0;
+  for (std::size_t q = 0; q < weights.size(); ++q) {
+    const auto point = history.subspan(c * block.history_width() + q * size, size);
+    sum += weights[q] * strain_of(*law, point);
+    volume += weights[q];
+  }
+  return sum / volume;
+}
+
 /// Failures in a block of cells, by what each has reached.
 template <int dim>
 std::vector<Failure> failures_of(const CellBlock<dim>& block, std::span<const double>,
                                  std::span<const double> history) {
   const FailureLimits& limits = block.material().failure;
+  const auto opening = [](const Concrete<dim>& law, std::span<const double> point) {
+    return law.opening_strain(point);
+  };
+  const auto crushing = [](const Concrete<dim>& law, std::span<const double> point) {
+    return law.crushing_strain(point);
+  };
   std::vector<Failure> failures;
   for (std::size_t c = 0; c < block.cells().size(); ++c) {
     failures.push_back(failure_beyond(
         block.cells()[c],
         {{FailureReason::plastic_strain, block.largest_plastic_strain(c, history),
-          limits.plastic_strain}}));
+          limits.plastic_strain},
+         {FailureReason::strain, mean_strain(block, c, history, opening), limits.strain},
+         {FailureReason::crushing_strain, mean_strain(block, c, history, crushing),
+          limits.crushing_strain}}));
   }
   return failures;
 }
@@ -184,6 +211,18 @@ std::vector<double> lost_shares_of_lines(const CellIntegrals<dim>& cells,
 }
 
 template <int dim>
+std::vector<double> history_before_failure(const LineBlock<dim>& block,
+                                           std::span<const double> history, double time) {
+  std::vector<double> before(history.begin(), history.end());
+  const std::size_t width = block.history_width();
+  for (std::size_t first = 0; block.may_fail() && first < before.size(); first += width) {
+    const auto own = failure_of(std::span(before).subspan(first, width));
+    if (own[fade_time] > 0 && own[time_of_failure] == time) own[lost_share] = 0;
+  }
+  return before;
+}
+
+template <int dim>
 std::int64_t count_failed(const CellIntegrals<dim>& cells, std::span<const double> history) {
   std::int64_t count = 0;
   const auto add = [&](const auto& block, std::span<const double> own) {
@@ -243,6 +282,8 @@ template FailureChange failure_after(const CellIntegrals<2>&, const AcceptedStep
 template std::vector<double> lost_shares_of_cells(const CellIntegrals<2>&, std::span<const double>);
 template std::vector<double> lost_shares_of_lines(const CellIntegrals<2>&, std::span<const double>,
                                                   std::int32_t);
+template std::vector<double> history_before_failure(const LineBlock<2>&, std::span<const double>,
+                                                    double);
 template std::int64_t count_failed(const CellIntegrals<2>&, std::span<const double>);
 template void hold_nodes_of_gone(const CellIntegrals<2>&, const Mesh<2>&, std::span<const double>,
                                  BlockMatrix<2>&);
@@ -252,6 +293,8 @@ template FailureChange failure_after(const CellIntegrals<3>&, const AcceptedStep
 template std::vector<double> lost_shares_of_cells(const CellIntegrals<3>&, std::span<const double>);
 template std::vector<double> lost_shares_of_lines(const CellIntegrals<3>&, std::span<const double>,
                                                   std::int32_t);
+template std::vector<double> history_before_failure(const LineBlock<3>&, std::span<const double>,
+                                                    double);
 template std::int64_t count_failed(const CellIntegrals<3>&, std::span<const double>);
 template void hold_nodes_of_gone(const CellIntegrals<3>&, const Mesh<3>&, std::span<const double>,
                                  BlockMatrix<3>&);

@@ -51,6 +51,14 @@ template <int dim>
 std::vector<double> lost_shares_of_lines(const CellIntegrals<dim>& cells,
                                          std::span<const double> history, std::int32_t num_lines);
 
+/// The history of a block of lines as it was solved: lines that began to fail at this time still
+/// have all of their force.
+/// @param history  of the block, accepted
+/// @param time     of the accepted state [s]
+template <int dim>
+std::vector<double> history_before_failure(const LineBlock<dim>& block,
+                                           std::span<const double> history, double time);
+
 /// Number of cells and lines of this rank that failed.
 template <int dim>
 std::int64_t count_failed(const CellIntegrals<dim>& cells, std::span<const double> history);

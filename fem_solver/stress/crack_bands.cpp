@@ -77,7 +77,7 @@ std::vector<CrackBand<dim>> crack_bands(const Mesh<dim>& mesh, const CellMateria
     bands.push_back(band_of(mesh, c));
     const double width = bands.back().largest();
     check_width(mesh, ranks, c, std::min(width, law->crack_spacing),
-                {.widest = law->tension.widest_band(),
+                {.widest = law->widest_crack_band(),
                  .energy = law->tension.fracture_energy,
                  .formula = "2 E fracture_energy / tensile_strength^2",
                  .where = law->where_fracture});

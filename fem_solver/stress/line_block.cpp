@@ -47,7 +47,8 @@ LineBlock<dim>::LineBlock(const Mesh<dim>& mesh, const LineMaterial& material,
     : material_(material),
       lines_(std::move(lines)),
       num_cells_(mesh.num_cells()),
-      lumped_mass_(lumped_mass) {
+      // The held end of a rope feels the rope's force alone then, never a push.
+      lumped_mass_(lumped_mass || !material_.in_compression) {
   const EmbeddedNodes<dim>& embedded = of.nodes_inside();
   if (material_.beam) beams_.emplace(mesh, material_, lines_, of.beam_nodes);
   for (const std::int32_t l : lines_) {

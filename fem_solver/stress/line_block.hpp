@@ -38,7 +38,8 @@ template <int dim>
 class LineBlock {
  public:
   /// @param lines        of the mesh
-  /// @param lumped_mass  half of the mass at each end instead of the consistent mass
+  /// @param lumped_mass  half of the mass at each end instead of the consistent mass; ropes always
+  ///                     have it
   /// @param of           rotations of beams, and ends that move with cells, whose nodes then take
   ///                     their forces and masses
   /// @throws ConfigError  a brake whose force falls more steeply than a line stretches

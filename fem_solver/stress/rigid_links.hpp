@@ -11,7 +11,7 @@
 
 namespace gabion::fem {
 
-/// Nodes that a node of beams takes along as a rigid body, by stiff springs without length between
+/// Nodes that move with a node of beams as a rigid body, by stiff springs without length between
 /// each of them and its place on that body.
 template <int dim>
 struct RigidLink {

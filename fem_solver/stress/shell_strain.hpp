@@ -20,8 +20,8 @@ using ShellModes = Eigen::Matrix<double, strain_size<3>, num_shell_modes>;
 /// which gives the fully plastic moment exactly.
 inline constexpr int elastic_points_across = 2, yielding_points_across = 6;
 
-/// What solid shells whose thickness lies along one reference axis have in common: from which
-/// places of the reference cell each component of the strain is taken at each quadrature point
+/// Rule of all solid shells whose thickness lies along one reference axis: the places of the
+/// reference cell from which each quadrature point takes each component of the strain
 /// (docs/theory/structure.md, (T38)).
 struct ShellRule {
   static constexpr int num_nodes = 8, num_terms = 11;

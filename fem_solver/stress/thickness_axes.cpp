@@ -17,6 +17,8 @@ namespace gabion::fem {
 
 namespace {
 
+constexpr double rounding = 1e-9;  // of lengths that are differences of coordinates
+
 constexpr const char* other_ways =
     "\"thickness\" \"side\" with a group of facets, \"numbering\", or another formulation";
 
@@ -41,7 +43,7 @@ class Finder {
     const auto width = widths(mesh_, c);
     const int axis = static_cast<int>(std::min_element(width.begin(), width.end()) - width.begin());
     const double next = std::min(width[(axis + 1) % 3], width[(axis + 2) % 3]);
-    require<ConfigError>(2 * width[axis] <= next, [&] {
+    require<ConfigError>(2 * width[axis] <= (1 + rounding) * next, [&] {
       return fmt::format(
           "{}: found {}, {:.4g} by {:.4g} by {:.4g} m along its axes: which is the thickness is "
           "not clear; allowed: a thickness of at most half the other two, {}",

@@ -73,8 +73,8 @@ std::vector<RigidLink<dim>> rigid_links(const FemSettings<dim>& settings) {
     for (const std::int32_t i : settings.ranks.group_nodes(settings.mesh, item.group, item.where)) {
       if (i == link.place) continue;
       require<ConfigError>(taken.emplace(i, item.group).second,
-                           "{}: found node {} of group \"{}\", which another link takes along, "
-                           "allowed: each node in one link",
+                           "{}: found node {} of group \"{}\", which another link moves, allowed: "
+                           "each node in one link",
                            item.where, settings.ranks.node_of_all(i), item.group);
       link.arms.push_back({i, settings.mesh.nodes[i] - settings.mesh.nodes[link.place]});
       reach = std::max(reach, link.arms.back().reach.norm());
@@ -89,8 +89,8 @@ std::vector<RigidLink<dim>> rigid_links(const FemSettings<dim>& settings) {
   }
   for (std::size_t l = 0; l < links.size(); ++l) {
     require<ConfigError>(!taken.contains(links[l].place),
-                         "{}: found \"beam\" \"{}\", whose node a link takes along, allowed: "
-                         "links that do not form chains",
+                         "{}: found \"beam\" \"{}\", whose node another link moves, allowed: links "
+                         "that do not form chains",
                          settings.rigid_links[l].where, settings.rigid_links[l].beam);
   }
   return links;

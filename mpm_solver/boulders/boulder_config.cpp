@@ -2,9 +2,13 @@
 #include "mpm_solver/boulders/boulder_config.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
@@ -20,31 +24,34 @@ namespace {
 
 // Least radius of a boulder in cells, since points of the soil do not see what is smaller; and the
 // share of rounding allowed in it.
-constexpr double least_radius = 1.5, rounding = 1e-9;
+constexpr double least_radius = 1.5, thickness_rounding = 1e-9;
 // Shapes in contact at the start overlap by rounding; this share of the radius is allowed.
 constexpr double allowed_overlap = 1e-6;
 
 KeyTable shape_keys() {
-  return {"shape",
-          "The body, about its centre of mass.",
-          {key::number("radius", "m", "A sphere, in 2D a disc.").in(positive()).or_none(),
-           key::vector("box", "m", "Lengths of the sides of a box, in 2D a rectangle.")
-               .in(positive())
-               .or_none(),
-           key::vector("ellipsoid", "m", "Half axes of an ellipsoid, in 2D an ellipse.")
-               .in(positive())
-               .or_none(),
-           key::rows("polygon", "m", "Corners [x, y], counterclockwise.")
-               .wide(2, 2)
-               .not_empty(3)
-               .or_none()
-               .only("in 2D"),
-           key::text("triangles",
-                     "A closed surface, normals out of the body, a .stl or .ply file, relative to "
-                     "the scene.")
-               .or_none()
-               .only("in 3D")},
-          {"radius", "box", "ellipsoid", "polygon", "triangles"}};
+  return {
+      "shape",
+      "Shape of the body about its centre of mass.",
+      {key::number("radius", "m", "A sphere, in 2D a disc.").in(positive()).or_none(),
+       key::vector("box", "m", "Lengths of the sides of a box, in 2D a rectangle.")
+           .in(positive())
+           .or_none(),
+       key::vector("ellipsoid", "m",
+                   "Semi-axes of an ellipsoid, in 2D an ellipse. It meets hard bodies as such, and "
+                   "soil as a polyhedron of 1280 facets, in 2D a polygon of 32.")
+           .in(positive())
+           .or_none(),
+       key::rows("polygon", "m", "Corners [x, y], counterclockwise.")
+           .wide(2, 2)
+           .not_empty(3)
+           .or_none()
+           .only("in 2D"),
+       key::text("triangles",
+                 "File of a closed surface, .stl or .ply, with normals out of the body; "
+                 "relative to the scene.")
+           .or_none()
+           .only("in 3D")},
+      {"radius", "box", "ellipsoid", "polygon", "triangles"}};
 }
 
 template <int dim>
@@ -169,9 +176,9 @@ template <int dim>
 void check_boulder(const ConfigReader& in, const std::string& size_key,
                    const BoulderSettings<dim>& boulder, const BoulderScene<dim>& settings) {
   const double cell = mean_cell_size(settings.grid);
-  if (0.5 * boulder.shape.thickness < (1 - rounding) * least_radius * cell) {
+  if (0.5 * boulder.shape.thickness < (1 - thickness_rounding) * least_radius * cell) {
     in.fail(size_key, fmt::format("found a thickness of {:.4g} m, allowed in cells of {:.4g} m: at "
-                                  "least {:.4g} m, soil does not see what is smaller",
+                                  "least {:.4g} m, soil does not feel smaller ones",
                                   boulder.shape.thickness, cell, 2 * least_radius * cell));
   }
   for (const auto& wall : settings.rigid_walls) {
@@ -211,20 +218,53 @@ void check_overlaps(const ConfigReader& in, std::size_t num_given,
   in.fail(fmt::format("boulders/{}/centre", overlap.body), text);
 }
 
+// More boulders than this are told of together.
+constexpr std::size_t most_names = 10;
+
+// Names of boulders, of many the first ones.
+std::string names_text(const std::vector<std::string>& names) {
+  const std::size_t count = std::min(names.size(), most_names);
+  const auto first = std::span(names).first(count);
+  if (names.size() <= most_names) return fmt::format("{}", fmt::join(first, ", "));
+  return fmt::format("{} and {} others", fmt::join(first, ", "), names.size() - count);
+}
+
+// Sizes are diameters of spheres of equal volume.
+template <int dim>
+void log_many(const std::string& where, const std::vector<BoulderSettings<dim>>& boulders) {
+  if (boulders.size() <= most_names) return;
+  constexpr double unit = std::numbers::pi / (dim == 2 ? 4 : 6);  // volume of size 1
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double mass = 0, least = infinity, most = 0, lightest = infinity, heaviest = 0;
+  for (const auto& boulder : boulders) {
+    const double own = boulder.shape.mass.mass;
+    const double size = std::pow(own / boulder.density / unit, 1.0 / dim);
+    mass += own;
+    least = std::min(least, size);
+    most = std::max(most, size);
+    lightest = std::min(lightest, own);
+    heaviest = std::max(heaviest, own);
+  }
+  const char* const weight = dim == 2 ? "kg/m" : "kg";
+  log::info("{}: {} boulders of {:.4g} to {:.4g} m, {:.4g} to {:.4g} {}, together {:.6g} {}", where,
+            boulders.size(), least, most, lightest, heaviest, weight, mass, weight);
+}
+
 // Contact points are vertices: two edges that cross have none.
 template <int dim>
 void warn_of_edges(const ConfigReader& in, const BoulderScene<dim>& settings) {
   if (dim == 2) return;
   std::vector<std::string> names;
   for (const auto& boulder : settings.boulders) {
-    if (boulder.shape.sphere == 0) names.push_back(boulder.name);
+    const bool is_round = boulder.shape.sphere > 0 || boulder.shape.axes[0] > 0;
+    if (!is_round) names.push_back(boulder.name);
   }
   if (names.empty()) return;
   log::warn(
-      "{}: {} touch what is hard with vertices, theirs and those of the other surface; "
-      "edges that cross between vertices are not seen: facets smaller than the boulder, on "
-      "both sides, keep them from passing through each other",
-      in.where("boulders"), fmt::join(names, ", "));
+      "{}: {} meet hard bodies at vertices alone, their own and those of the other surface. Edges "
+      "that cross between vertices are not found: use facets smaller than the boulder, on both "
+      "bodies, so that they do not pass through each other",
+      in.where("boulders"), names_text(names));
 }
 
 }  // namespace
@@ -232,8 +272,9 @@ void warn_of_edges(const ConfigReader& in, const BoulderScene<dim>& settings) {
 KeyTable boulder_keys() {
   KeyTable table{
       "boulder",
-      "A rigid body that soil and boulders, interfaces and rigid walls push; grid walls do not.",
-      {key::plain_name("Its own; columns of the tables start with it."),
+      "A rigid body on which soil, boulders, interfaces and rigid walls act; walls of the grid do "
+      "not.",
+      {key::plain_name("Unique name; columns of the tables start with it."),
        key::object("shape", shape_keys(), "Shape of the body."),
        key::vector("centre", "m", "Place of the centre of mass at the start."),
        key::vector("orientation", "rad",
@@ -241,10 +282,12 @@ KeyTable boulder_keys() {
                    "shape; none: it is not turned.")
            .wide(1, 4)
            .or_none(),
-       key::vector("spin", "rad/s", "At the start, along the axes of space, in 2D [w].")
+       key::vector("spin", "rad/s", "Initial angular velocity, along the axes of space; in 2D [w].")
            .wide(1, 3)
            .or_else(0),
-       key::number("stiffness", "N/m^2", "Force of a place on what is hard over its squared depth.")
+       key::number("stiffness", "N/m^2",
+                   "Contact force on a hard body (wall, structure, boulder) "
+                   "over the square of the penetration.")
            .in(positive())
            .or_computed(usual_stiffness_words())}};
   const auto others = boulder_law_keys();
@@ -273,6 +316,7 @@ void read_boulders(const Scene& scene, ConfigReader& in, const BoulderScene<dim>
   if (boulders.empty()) return;
   check_overlaps(in, num_given, among);
   warn_of_edges(in, among);
+  log_many(in.where("boulders"), boulders);
   std::vector<RigidWallSettings<dim>> own;
   for (const auto& boulder : boulders) own.push_back(wall_of(boulder));
   walls.insert(walls.end(), own.begin(), own.end());

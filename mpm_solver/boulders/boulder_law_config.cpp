@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "mpm_solver/boulders/impact_damping.hpp"
+#include "mpm_solver/contact/sticking.hpp"
 
 namespace gabion::mpm {
 
@@ -14,37 +15,38 @@ namespace {
 // The default stiffness stops a sphere that hits a wall at this speed [m/s] within this share of
 // its radius.
 constexpr double usual_speed = 10, usual_depth = 0.01;
-// Coefficient of friction of facets that stick, as of rigid walls without a coefficient.
-constexpr double sticking = 100;
 
 }  // namespace
 
 std::vector<Key> boulder_law_keys() {
   return {
       key::number("density", "kg/m^3", "Density of the rock.").in(positive()),
-      key::vector("velocity", "m/s", "At the start.").or_else(0),
-      key::number("friction", "", "Coulomb's coefficient on hard surfaces.")
+      key::vector("velocity", "m/s", "Initial velocity.").or_else(0),
+      key::number("friction", "", "Coefficient of friction on hard bodies.")
           .in(non_negative())
           .or_else(0.5),
-      key::number("soil_friction", "", "Between soil and boulder; none: soil sticks.")
+      key::number("soil_friction", "",
+                  "Coefficient of friction between soil and boulder; none: soil sticks.")
           .in(non_negative())
           .or_none(),
       key::choice("soil_inside", {"error", "remove"},
-                  "Material points at the start whose centre is in the boulder, or more than a "
-                  "twentieth of the radius of their contact sphere: refused, or left out, which "
-                  "leaves up to half a point's width around it empty.")
+                  "Material points that lie in the boulder at the start, with their centre or with "
+                  "a twentieth of the radius of their contact sphere. `error`: they are refused; "
+                  "`remove`: they are left out, and a gap of up to half a point's width surrounds "
+                  "the boulder.")
           .or_else("error"),
       key::number("restitution", "",
-                  fmt::format("Normal speed after an impact on what is hard over before it; on an "
-                              "interface less than {0} acts as {0}.",
+                  fmt::format("Normal speed after an impact on a hard body over the speed before "
+                              "it; on an interface a value below {0} acts as {0}.",
                               least_damped_restitution))
           .in(between(0, 1))
           .or_else(0.4),
       key::number("rolling_resistance", "",
-                  "Largest resisting moment over radius and normal force; of spheres only.")
+                  "Largest resisting moment over radius times normal force; for spheres only.")
           .in(non_negative())
           .or_else(0),
-      key::number("free_from", "s", "It is held in steps that begin before that time.")
+      key::number("free_from", "s",
+                  "Time before which the boulder is held: in all steps that begin earlier.")
           .in(non_negative())
           .or_else(0)};
 }

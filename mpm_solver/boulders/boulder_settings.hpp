@@ -17,7 +17,7 @@ struct BoulderSettings {
   double density = 0;  ///< [kg/m^3]
   BoulderShape<dim> shape;
   BodyState start;
-  HardLaw law;                ///< against what is hard
+  HardLaw law;                ///< contact with hard bodies
   double soil_friction = 0;   ///< Coulomb's coefficient between soil and boulder
   double free_from = 0;       ///< it is held before that time [s]
   bool removes_soil = false;  ///< at the start, where it is

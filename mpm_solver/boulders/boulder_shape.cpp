@@ -267,6 +267,21 @@ BodyMass mass_of(double volume, const Vector<dim>& mean_squares, double density)
   return result;
 }
 
+// A sphere or ellipsoid as a polyhedron of its area or volume.
+template <int dim>
+BoulderShape<dim> round_shape(const Vector<dim>& axes, double density) {
+  constexpr double pi = std::numbers::pi;
+  const double volume = (dim == 2 ? pi : 4 * pi / 3) * axes.prod();
+  BoulderShape<dim> shape;
+  shape.mass = mass_of<dim>(volume, axes.cwiseAbs2() / (dim + 2), density);
+  shape.surface = unit_sphere(std::integral_constant<int, dim>{});
+  for (Vector<dim>& X : shape.surface.vertices) X = X.cwiseProduct(axes);
+  const double scale = std::pow(volume / moments_of(shape.surface).volume, 1. / dim);
+  for (Vector<dim>& X : shape.surface.vertices) X *= scale;
+  close_extents(shape);
+  return shape;
+}
+
 }  // namespace
 
 template <int dim>
@@ -283,24 +298,17 @@ BodyMass mass_within(const ContactSurface<dim>& surface, double density) {
 }
 
 template <int dim>
-BoulderShape<dim> ellipsoid_shape(const Vector<dim>& axes, double density) {
-  constexpr double pi = std::numbers::pi;
-  const double volume = (dim == 2 ? pi : 4 * pi / 3) * axes.prod();
-  BoulderShape<dim> shape;
-  shape.mass = mass_of<dim>(volume, axes.cwiseAbs2() / (dim + 2), density);
-  shape.surface = unit_sphere(std::integral_constant<int, dim>{});
-  for (Vector<dim>& X : shape.surface.vertices) X = X.cwiseProduct(axes);
-  const double scale = std::pow(volume / moments_of(shape.surface).volume, 1. / dim);
-  for (Vector<dim>& X : shape.surface.vertices) X *= scale;
-  close_extents(shape);
+BoulderShape<dim> sphere_shape(double radius, double density) {
+  BoulderShape<dim> shape = round_shape<dim>(Vector<dim>::Constant(radius), density);
+  shape.sphere = radius;
+  shape.thickness = 2 * radius;
   return shape;
 }
 
 template <int dim>
-BoulderShape<dim> sphere_shape(double radius, double density) {
-  BoulderShape<dim> shape = ellipsoid_shape<dim>(Vector<dim>::Constant(radius), density);
-  shape.sphere = radius;
-  shape.thickness = 2 * radius;
+BoulderShape<dim> ellipsoid_shape(const Vector<dim>& axes, double density) {
+  BoulderShape<dim> shape = round_shape<dim>(axes, density);
+  shape.axes = axes;
   return shape;
 }
 

@@ -13,7 +13,8 @@ struct BoulderShape {
   ContactSurface<dim> surface;  ///< about the centre of mass, in axes of the body
   double radius = 0;            ///< of the sphere around the centre of mass that holds it [m]
   double sphere = 0;            ///< of a sphere or disc: its radius; others: 0 [m]
-  double thickness = 0;         ///< smallest extent along an axis of the body [m]
+  Vector<dim> axes = Vector<dim>::Zero();  ///< of an ellipsoid: semi-axes; others: 0 [m]
+  double thickness = 0;                    ///< smallest extent along an axis of the body [m]
 };
 
 /// Facets of a shape are about this many along its radius.

@@ -38,8 +38,11 @@ std::vector<HardBody> hard_bodies(const BoulderScene<dim>& settings) {
   std::vector<HardBody> bodies;
   for (const auto& boulder : settings.boulders) {
     const auto& shape = boulder.shape;
-    HardBody& body = bodies.emplace_back(HardBody{
-        .name = boulder.name, .mass = shape.mass, .sphere = shape.sphere, .radius = shape.radius});
+    HardBody& body = bodies.emplace_back(HardBody{.name = boulder.name,
+                                                  .mass = shape.mass,
+                                                  .sphere = shape.sphere,
+                                                  .radius = shape.radius,
+                                                  .axes = in_space<dim>(shape.axes)});
     body.law = boulder.law;
     body.facets = hard_facets(shape.surface);
     for (const auto& X : shape.surface.vertices) body.vertices.push_back(in_space<dim>(X));
@@ -196,9 +199,9 @@ bool Boulders<dim>::follow(std::span<const double> forces) {
   const bool agree = largest <= tolerance_;
   if (!agree && (++passes_ >= most_passes || !std::isfinite(largest))) {
     throw ConvergenceError(
-        fmt::format("soil and boulders do not agree on their motion, it differs by {:.3g} m after "
-                    "{} passes, allowed: {:.3g} m; the boulders are too light for the stiffness of "
-                    "the soil in a step of {:.4g} s",
+        fmt::format("soil and boulders do not agree on their motion: it differs by {:.3g} m after "
+                    "{} iterations, allowed: {:.3g} m; the boulders are too light for the "
+                    "stiffness of the soil in a step of {:.4g} s",
                     largest, passes_, tolerance_, dt_),
         "boulders");
   }

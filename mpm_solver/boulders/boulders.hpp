@@ -99,7 +99,7 @@ class Boulders {
   std::vector<std::vector<Vector<3>>> interface_places_;  // of the accepted step
   HardContact::Start accepted_;
   std::vector<BodyLoad> last_loads_;  // of the soil, in the accepted step
-  std::vector<double> works_;         // of contact with what is hard, since the start [J]
+  std::vector<double> works_;         // of contact with hard bodies, since the start [J]
   BoulderLedger ledger_;
   std::vector<Vector<3>> forces_;  // mean in the accepted step, on interfaces, rigid walls [N]
 

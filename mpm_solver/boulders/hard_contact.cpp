@@ -43,7 +43,7 @@ HardContact::HardContact(int dim, std::vector<HardBody> bodies, const Vector<3>&
 
 void HardContact::add_pairs(std::int32_t a, std::int32_t b, const Under& under, double reach,
                             std::vector<Pair>& pairs) const {
-  const double radius = under.sphere_radius(a);
+  const double radius = under.round_radius(a);
   const auto num_facets = static_cast<std::int32_t>(under.facets(b).size());
   std::vector<std::int32_t> facets;  // of b near a
   std::vector<HardCorners> corners;
@@ -55,9 +55,8 @@ void HardContact::add_pairs(std::int32_t a, std::int32_t b, const Under& under, 
     corners.push_back(c);
   }
   if (facets.empty()) return;
-  const bool is_sphere = radius > 0;
   const auto num_spheres =
-      static_cast<std::int32_t>(is_sphere          ? 1
+      static_cast<std::int32_t>(radius > 0         ? 1
                                 : under.is_body(a) ? bodies_[a].vertices.size()
                                                    : under.obstacle(a).start.size());
   std::vector<char> counts;  // vertices of an obstacle
@@ -94,14 +93,14 @@ std::vector<HardContact::Pair> HardContact::near_pairs(const std::vector<BodySta
       if (b < num_bodies()) {
         const double apart = (states[a].x - states[b].x).norm();
         if (apart > bodies_[a].radius + bodies_[b].radius + reach) continue;
-        if (bodies_[b].sphere > 0) {
-          if (a < b && bodies_[a].sphere > 0) pairs.push_back({a, 0, b, -1});
+        if (bodies_[b].is_round()) {
+          if (a < b && bodies_[a].is_round()) pairs.push_back({a, 0, b, -1});
           continue;
         }
       }
       add_pairs(a, b, under, reach, pairs);
     }
-    if (bodies_[a].sphere > 0) continue;
+    if (bodies_[a].is_round()) continue;
     for (std::int32_t o = num_bodies(); o < total; ++o) add_pairs(o, a, under, reach, pairs);
   }
   return pairs;
@@ -221,7 +220,8 @@ HardContact::End HardContact::solve_here(const Start& start, const Step& step) c
   for (int k = 0; k < most_looks; ++k, reach *= 4) {
     if (solve_within(reach, start, step, end)) return end;
   }
-  throw ConvergenceError("boulders move too far in one step to know what they touch", "boulders");
+  throw ConvergenceError("boulders move too far in one step for the search of contacts",
+                         "boulders");
 }
 
 // The nearest place of each surface tells on which side a sphere is.
@@ -235,7 +235,7 @@ HardContact::Overlap HardContact::deepest_overlap(const std::vector<BodyState>& 
   Overlap found;
   Under::for_groups(near_pairs(states, step, reach), [&](std::span<const Pair> group) {
     const auto& [a, sphere, b, facet] = group.front();
-    const double radius = under.sphere_radius(a);
+    const double radius = under.round_radius(a);
     double depth = -infinity, least = infinity;
     Vector<3> at = under.sphere(a, sphere, false);
     if (is_point(group.front(), under)) {

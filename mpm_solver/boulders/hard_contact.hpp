@@ -25,16 +25,20 @@ struct HardLaw {
 /// Vertices of a facet, in 2D the third is -1; its normal points out of what has it.
 using HardFacet = std::array<std::int32_t, 3>;
 
-/// A rigid body whose contact points are those of a sphere about its centre, or the vertices of its
-/// surface.
+/// A rigid body whose contact points are those of a sphere or ellipsoid about its centre, or the
+/// vertices of its surface.
 struct HardBody {
   std::string name;
   BodyMass mass;
   double sphere = 0;                     ///< radius, 0: not a sphere [m]
   double radius = 0;                     ///< of a sphere about the centre that holds it [m]
+  Vector<3> axes = Vector<3>::Zero();    ///< semi-axes, in 2D the third is 0; 0: no ellipsoid [m]
   std::vector<Vector<3>> vertices = {};  ///< in axes of the body [m]
   std::vector<HardFacet> facets = {};
   HardLaw law = {};
+
+  bool is_ellipsoid() const { return axes[0] > 0; }
+  bool is_round() const { return sphere > 0 || is_ellipsoid(); }
 };
 
 /// A surface whose vertices move evenly in a step. It is in contact only with bodies that come from
@@ -134,6 +138,7 @@ class HardContact {
   bool solve_near(double h, const HardMemories& memories, const std::vector<Watched>& watched,
                   Under& under, Sums& sums) const;
   bool locate(const Pair& pair, const Under& under, Place& place) const;
+  bool locate_ellipsoid(const Pair& pair, const Under& under, Place& place) const;
   bool is_point(const Pair& pair, const Under& under) const;
   bool point_place(std::span<const Pair> group, const Under& under, const HardMemories& memories,
                    Place& place) const;

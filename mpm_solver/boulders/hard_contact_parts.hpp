@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "mpm_solver/boulders/ellipsoid_places.hpp"
 #include "mpm_solver/boulders/hard_contact.hpp"
 #include "mpm_solver/boulders/hard_places.hpp"
 
@@ -31,10 +32,11 @@ struct HardContact::Place {
   Pair pair;
   HardFoot foot;
   double g0 = 0, g1 = 0, offset = 0;
-  double distance = 0;                      // of the middles of the sphere and of the surface there
-  Vector<3> direction = Vector<3>::Zero();  // from b to a, of length 1
-  Vector<3> normal = Vector<3>::Zero();     // near to it; n . (relative displacement) is g1 - g0
-  Vector<3> x = Vector<3>::Zero();          // in the middle of the substep
+  double distance = 0;  // of the middles of the sphere and of the surface there
+  double extent = std::numeric_limits<double>::infinity();  // of ellipsoids along the direction
+  Vector<3> direction = Vector<3>::Zero();                  // from b to a, of length 1
+  Vector<3> normal = Vector<3>::Zero();  // near to it; n . (relative displacement) is g1 - g0
+  Vector<3> x = Vector<3>::Zero();       // in the middle of the substep
   HardMemory known;
 
   bool touches() const { return std::min(g0, g1) < 0; }
@@ -98,11 +100,26 @@ struct HardContact::Under {
     const Obstacle& o = obstacle(c);
     return o.start[v] + (at_end ? share1 : share0) * (o.end[v] - o.start[v]);
   }
+  bool is_round(std::int32_t c) const { return is_body(c) && bodies[c].is_round(); }
+  bool is_ellipsoid(std::int32_t c) const { return is_body(c) && bodies[c].is_ellipsoid(); }
   Vector<3> sphere(std::int32_t c, std::int32_t k, bool at_end) const {
-    if (is_body(c) && bodies[c].sphere > 0) return (at_end ? s1 : s0)[c].x;
+    if (is_round(c)) return (at_end ? s1 : s0)[c].x;
     return vertex(c, k, at_end);
   }
   double sphere_radius(std::int32_t c) const { return is_body(c) ? bodies[c].sphere : 0; }
+  // Radius of the sphere about the centre that holds a sphere or ellipsoid, 0: has vertices.
+  double round_radius(std::int32_t c) const {
+    return is_ellipsoid(c) ? bodies[c].radius : sphere_radius(c);
+  }
+  // A sphere or ellipsoid.
+  OnPath<Ellipsoid> ellipsoid(std::int32_t c) const {
+    const HardBody& body = bodies[c];
+    const Vector<3> axes = body.is_ellipsoid() ? body.axes : Vector<3>::Constant(body.sphere);
+    const Eigen::Quaterniond half(Eigen::Vector4d(s0[c].q.coeffs() + s1[c].q.coeffs()));
+    return {.start = {s0[c].x, s0[c].q, axes},
+            .half = {middle(c), half.normalized(), axes},
+            .end = {s1[c].x, s1[c].q, axes}};
+  }
   HardCorners corners(std::int32_t c, std::int32_t facet, bool at_end) const {
     HardCorners result{.count = dim};
     for (int k = 0; k < dim; ++k) result.x[k] = vertex(c, facets(c)[facet][k], at_end);

@@ -11,7 +11,8 @@ namespace gabion::mpm {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// A sphere that is deeper than this share of its radius is on the other side of a surface.
+// A sphere or ellipsoid that is deeper than this share of its radius, or extent there, is on the
+// other side of a surface.
 constexpr double deepest = 0.25;
 // A point that comes from the front may be behind a surface by rounding, up to this share of the
 // radius.
@@ -28,7 +29,7 @@ double HardContact::size_of(const Pair& pair) const {
 }
 
 bool HardContact::is_point(const Pair& pair, const Under& under) const {
-  return pair.facet >= 0 && under.sphere_radius(pair.a) == 0;
+  return pair.facet >= 0 && !under.is_round(pair.a);
 }
 
 // A point is in contact at the nearest place of a surface, if it came there from the front.
@@ -67,10 +68,38 @@ bool HardContact::point_place(std::span<const Pair> group, const Under& under,
 }
 
 bool HardContact::sphere_place(const Pair& pair, const Under& under, Place& place) const {
-  return locate(pair, under, place) && std::max(place.g0, place.g1) > -deepest * size_of(pair);
+  if (!locate(pair, under, place)) return false;
+  return std::max(place.g0, place.g1) > -deepest * std::min(size_of(pair), place.extent);
+}
+
+// The sphere or ellipsoid that has the number a, on a facet or another one.
+bool HardContact::locate_ellipsoid(const Pair& pair, const Under& under, Place& place) const {
+  const auto [a, sphere, b, facet] = pair;
+  const OnPath<Ellipsoid> own = under.ellipsoid(a);
+  EllipsoidPlace found;
+  if (facet < 0) {
+    found = place_between(own, under.ellipsoid(b));
+  } else {
+    const HardCorners f0 = under.corners(b, facet, false), f1 = under.corners(b, facet, true);
+    if (!place_on_facet(own, {.start = f0, .half = middle(f0, f1), .end = f1}, found)) return false;
+  }
+  place.pair = pair;
+  place.foot = found.foot;
+  place.g0 = found.g0;
+  place.g1 = found.g1;
+  place.distance = bodies_[a].radius + 0.5 * (found.g0 + found.g1);
+  place.extent = found.extent;
+  place.direction = found.direction;
+  place.x = found.x;
+  follow_gap(found, under.relative_motion(place), under.turn(a) - under.turn(b), bodies_[a].radius);
+  place.normal = found.normal;
+  place.x = found.x;
+  return true;
 }
 
 bool HardContact::locate(const Pair& pair, const Under& under, Place& place) const {
+  if (under.is_ellipsoid(pair.a) || (pair.facet < 0 && under.is_ellipsoid(pair.b)))
+    return locate_ellipsoid(pair, under, place);
   place.pair = pair;
   const Vector<3> c0 = under.sphere(pair.a, pair.sphere, false);
   const Vector<3> c1 = under.sphere(pair.a, pair.sphere, true);
@@ -97,8 +126,8 @@ bool HardContact::locate(const Pair& pair, const Under& under, Place& place) con
   return true;
 }
 
-// A sphere has contact points on faces, and on edges and corners that are nearer than all facets
-// around them and belong to no face in contact.
+// A sphere or ellipsoid has contact points on faces, and on edges and corners that are nearer than
+// all facets around them and belong to no face in contact.
 std::vector<HardContact::Place> HardContact::sphere_places(std::span<const Pair> group,
                                                            const Under& under) const {
   std::vector<Place> found, places, edges;

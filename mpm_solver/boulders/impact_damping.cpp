@@ -8,7 +8,7 @@ namespace gabion::mpm {
 
 namespace {
 
-// Nearer to 1 the two sides of the equation differ by rounding only; the series of both in a is
+// Nearer to 1 both sides of the equation differ by rounding only; the series of both in a is
 // right to 1e-6 of its value there.
 constexpr double nearly_elastic = 1e-3;
 constexpr int halvings = 200;

@@ -22,7 +22,7 @@ constexpr std::size_t most_boulders = 10000;
 
 KeyTable region_keys() {
   return {"random_region",
-          "Where a sphere around each boulder lies wholly.",
+          "Region in which a sphere around each boulder lies wholly.",
           {key::vector("low", "m", "Corner of a box along the axes.").with("high").or_none(),
            key::vector("high", "m", "The opposite corner.").with("low").or_none(),
            key::rows("polygon", "m", "Corners [x, y] of a polygon, in 3D of its outline in plan.")
@@ -40,14 +40,15 @@ KeyTable region_keys() {
 KeyTable size_keys() {
   const KeyTable lognormal{
       "lognormal_sizes",
-      "Sizes whose logarithm is normal, by number; those out of the limits are left out.",
-      {key::number("median", "m", "Half of the sizes without limits are smaller.").in(positive()),
+      "Lognormal distribution by number, truncated at the limits.",
+      {key::number("median", "m", "Median of the distribution before it is truncated.")
+           .in(positive()),
        key::number("deviation", "", "Standard deviation of the natural logarithm.").in(positive()),
        key::number("min", "m", "Smallest size.").in(positive()),
        key::number("max", "m", "Largest size.").in(positive())}};
   return {
       "random_sizes",
-      "Diameters of spheres (2D: discs) of the same volume.",
+      "Sizes of the boulders: diameters of spheres (2D: discs) of the same volume.",
       {key::vector("uniform", "m", "[smallest, largest], all sizes equally likely by number.")
            .in(positive())
            .wide(2, 2)
@@ -75,13 +76,20 @@ GradedSizes read_grading(ConfigReader& in) {
   GradedSizes sizes;
   for (const auto& row : in.rows("grading", 2)) sizes.curve.push_back({row[0], row[1]});
   const auto& curve = sizes.curve;
-  bool rises = curve.front()[0] > 0 && curve.front()[1] == 0 && curve.back()[1] == 1;
+  const auto refuse_unless = [&](bool good, std::size_t k) {
+    if (good) return;
+    const std::string after =
+        k == 0 ? "" : fmt::format(" after [{}, {}]", curve[k - 1][0], curve[k - 1][1]);
+    in.fail(fmt::format("grading/{}", k),
+            fmt::format("found [{}, {}]{}, allowed: sizes above 0 that rise, with shares that rise "
+                        "from 0 to 1",
+                        curve[k][0], curve[k][1], after));
+  };
+  refuse_unless(curve.front()[0] > 0 && curve.front()[1] == 0, 0);
   for (std::size_t k = 1; k < curve.size(); ++k) {
-    rises &= curve[k][0] > curve[k - 1][0] && curve[k][1] >= curve[k - 1][1];
+    refuse_unless(curve[k][0] > curve[k - 1][0] && curve[k][1] >= curve[k - 1][1], k);
   }
-  if (!rises) {
-    in.fail("grading", "allowed: sizes above 0 that rise, with shares that rise from 0 to 1");
-  }
+  refuse_unless(curve.back()[1] == 1, curve.size() - 1);
   return sizes;
 }
 
@@ -274,7 +282,7 @@ void log_boulders(const std::string& name, const std::vector<BoulderSettings<dim
   const double volume = mass / drawn.front().density;
   log::info(
       "{}: {} random boulders of {:.4g} to {:.4g} m, together {:.6g} kg and {:.4g} m^{}, {:.3g} of "
-      "the region; {} draws had no room: {} left the region, {} came to boulders, {} to surfaces",
+      "the region; {} draws were rejected: {} left the region, {} overlapped boulders, {} surfaces",
       name, drawn.size(), least, most, mass, volume, dim, volume / region, rejected.total(),
       rejected.out_of_region, rejected.at_boulder, rejected.at_surface);
 }
@@ -286,7 +294,7 @@ KeyTable random_boulder_keys() {
   KeyTable table{
       "random_boulders",
       "Boulders of random size, shape, place and orientation, none touching another or a surface.",
-      {key::plain_name("Begins the names of the boulders: NAME_1, NAME_2, the largest first."),
+      {key::plain_name("Start of the boulders' names: NAME_1, NAME_2, ..., the largest first."),
        key::integer("count", "Number of boulders.").in(between(1, most)).or_none(),
        key::number("volume_share", "", "Volume of the boulders over that of the region.")
            .in(inside(0, 1))
@@ -301,16 +309,17 @@ KeyTable random_boulder_keys() {
            .wide(2, 2)
            .or_none(),
        key::number("minimum_distance", "m",
-                   "Between the spheres around two boulders, or around one and a surface.")
+                   "Smallest distance between the spheres around two boulders, or between such a "
+                   "sphere and a surface.")
            .in(non_negative())
            .or_else(0),
        key::integer("seed",
-                    "Another number gives other boulders; entries with the same one draw the same.")
+                    "Seed of the random numbers; entries with the same seed draw the same numbers.")
            .in(non_negative())
            .or_else(1),
        key::number("stiffness", "N/m^2",
-                   fmt::format("Force of a place on what is hard over its squared depth; none: of "
-                               "each boulder such that it {}.",
+                   fmt::format("Contact force on a hard body (wall, structure, boulder) over the "
+                               "square of the penetration; none: for each boulder the one that {}.",
                                usual_stiffness_words()))
            .in(positive())
            .or_none()},

@@ -77,10 +77,8 @@ Vector<dim> RandomPlaces<dim>::draw(double radius, RandomNumbers& random) {
   }
   throw ConfigError(fmt::format(
       "found no room in {} draws for a sphere of radius {:.4g} m around a boulder, between "
-      "({:.6g}) "
-      "and ({:.6g}): {} left the region, {} came to other boulders, {} to interfaces or rigid "
-      "walls; "
-      "allowed: fewer or smaller boulders, a smaller distance, a larger region",
+      "({:.6g}) and ({:.6g}): {} left the region, {} overlapped other boulders, {} interfaces or "
+      "rigid walls; allowed: fewer or smaller boulders, a smaller distance, a larger region",
       most_draws, radius, fmt::join(region_.box.min(), ", "), fmt::join(region_.box.max(), ", "),
       now.out_of_region, now.at_boulder, now.at_surface));
 }

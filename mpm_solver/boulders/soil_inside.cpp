@@ -14,6 +14,22 @@ namespace gabion::mpm {
 
 namespace {
 
+// More boulders than this share one line of the log.
+constexpr std::size_t most_lines = 10;
+
+/// Soil that was left out.
+struct LeftOut {
+  double points = 0, mass = 0, volume = 0;  ///< mass [kg], volume [m^dim]
+  double of = 0;                            ///< volume of the boulders [m^dim]
+};
+
+void log_left_out(const std::string& name, const LeftOut& soil, int dim) {
+  log::info(
+      "{}: {:.0f} material points inside it are left out, {:.6g} kg of soil in {:.4g} times its "
+      "volume of {:.4g} m^{}",
+      name, soil.points, soil.mass, soil.volume / soil.of, soil.of, dim);
+}
+
 // Points whose centre or too much of whose contact sphere is in a boulder.
 template <int dim>
 std::vector<std::int32_t> points_inside(const BoulderSettings<dim>& boulder,
@@ -44,8 +60,8 @@ void require_bodies_left(MPI_Comm comm, const std::string& where,
     double counts[] = {static_cast<double>(end - first), static_cast<double>(gone)};
     sum_over_ranks(comm, std::span<double>(counts));
     require<ConfigError>(counts[1] == 0 || counts[1] < counts[0],
-                         "{}: found all that is left of body {} inside boulders, {} material "
-                         "points, allowed: a body that reaches out of them",
+                         "{}: found all material points of body {} that are left, {}, inside "
+                         "boulders, allowed: a body that extends beyond them",
                          where, b, counts[1]);
   }
 }
@@ -57,6 +73,9 @@ void remove_soil_inside(MPI_Comm comm, const std::vector<BoulderSettings<dim>>& 
                         const std::vector<RigidWallSettings<dim>>& walls,
                         MaterialPoints<dim>& points) {
   const std::size_t first_wall = walls.size() - boulders.size();
+  const bool together = boulders.size() > most_lines;
+  LeftOut all;
+  std::size_t count = 0;
   for (std::size_t k = 0; k < boulders.size(); ++k) {
     if (!boulders[k].removes_soil) continue;
     const auto& boundary = walls[first_wall + k].boundary;
@@ -70,11 +89,14 @@ void remove_soil_inside(MPI_Comm comm, const std::vector<BoulderSettings<dim>>& 
     sum_over_ranks(comm, std::span<double>(sums));
     remove_points(inside, points);
     const double volume = boulders[k].shape.mass.mass / boulders[k].density;
-    log::info(
-        "{}: {:.0f} material points inside it are left out, {:.6g} kg of soil in {:.4g} times its "
-        "volume of {:.4g} m^{}",
-        boundary.name, sums[0], sums[1], sums[2] / volume, volume, dim);
+    if (!together) log_left_out(boundary.name, {sums[0], sums[1], sums[2], volume}, dim);
+    all.points += sums[0];
+    all.mass += sums[1];
+    all.volume += sums[2];
+    all.of += volume;
+    ++count;
   }
+  if (together && count > 0) log_left_out(fmt::format("{} boulders", count), all, dim);
 }
 
 template void remove_soil_inside<2>(MPI_Comm, const std::vector<BoulderSettings<2>>&,

@@ -79,8 +79,8 @@ std::string text_of(const std::string& where, const std::string& name, const Cut
       "{}: the surface of \"{}\" cuts cells of the grid, where soil rests on it ({} of {} material "
       "points there). With \"basis\": \"linear\" the few points in such a cell do not have the "
       "volume of the soil in it: its thrust may be 1 to 10 % too small, on triangles with 6 points "
-      "or more up to 2 % (docs/theory/interface.md, soil at rest). A grid whose cells end at the "
-      "surface has none of this, nor has \"gimp\" on a box of quad4 or hex8",
+      "or more up to 2 % (docs/theory/interface.md, soil at rest). This does not occur on a grid "
+      "whose cells end at the surface, nor with \"gimp\" on a box of quad4 or hex8",
       where, name, found.in_cut, found.touching);
 }
 

@@ -40,7 +40,7 @@ void check_grid_mesh(const ConfigReader& in, const BackgroundGrid<dim>& grid,
       std::ranges::any_of(connection.unjoined, [&](std::int32_t i) { return !held[i]; });
   if (open) {
     in.fail("grid",
-            fmt::format("found {}: soil on one side would not feel that on the other; allowed: a "
+            fmt::format("found {}: soil in one part would not feel soil in the other; allowed: a "
                         "grid in one piece ({}), or a slit with \"walls\" on both sides",
                         unjoined_text(connection), how_to_join));
   }

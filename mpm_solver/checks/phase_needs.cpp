@@ -15,7 +15,7 @@ namespace {
 
 // Refuse what explicit steps cannot do.
 template <int dim>
-void check_explicit(const ConfigReader& in, const MpmSettings<dim>& settings) {
+void check_explicit_phases(const ConfigReader& in, const MpmSettings<dim>& settings) {
   for (const Phase& phase : settings.phases) {
     if (!phase.is_explicit()) continue;
     if (method_in(settings.small_cuts, settings.grid.basis, true) == SmallCutMethod::ghost) {
@@ -66,9 +66,9 @@ void check_strength_reduction(const ConfigReader& in, const MpmSettings<dim>& se
   if (!any_reduces_strength(settings.phases)) return;
   if (settings.grid.basis != Basis::linear) {
     in.fail("basis",
-            fmt::format("found \"{}\" together with \"strength_reduction\", allowed: "
-                        "\"linear\"; others hold soil beyond its surface, and give factors "
-                        "that are some 5 % larger with ten cells over a slope",
+            fmt::format("found \"{}\" together with \"strength_reduction\", allowed: \"linear\"; "
+                        "other basis functions hold soil beyond its surface and give factors some "
+                        "5 % larger with ten cells over a slope",
                         basis_name(settings.grid.basis)));
   }
   if (!settings.interfaces.empty()) {
@@ -98,7 +98,7 @@ void check_strength_reduction(const ConfigReader& in, const MpmSettings<dim>& se
 
 template <int dim>
 void check_phase_needs(const ConfigReader& in, const MpmSettings<dim>& settings) {
-  check_explicit(in, settings);
+  check_explicit_phases(in, settings);
   check_fluids(in, settings);
   check_strength_reduction(in, settings);
 }

@@ -81,13 +81,14 @@ void check_start(const ConfigReader& in, const MpmSettings<dim>& settings, std::
   const auto& stress = settings.initial_stress[b];
   if (!stress || !stress->water_table) return;
   const double table = *stress->water_table;
+  const bool flows = stress->steady_seepage;
   const std::string where = fmt::format("bodies/{}/initial_stress/water_table", b);
   double top = -std::numeric_limits<double>::infinity(), size = 0;
   for (const auto& x : settings.layouts[b].mesh.nodes) {
     top = std::max(top, x[dim - 1]);
     size = std::max(size, (x - settings.layouts[b].mesh.nodes.front()).norm());
   }
-  if (table < top - rounding * size) {
+  if (table < top - rounding * size && !flows) {
     in.fail(where,
             fmt::format("found {:g} with \"permeability\", allowed: at least {:g}, the top of "
                         "the body; soil above the table is another body, without \"water\"",
@@ -102,6 +103,25 @@ void check_start(const ConfigReader& in, const MpmSettings<dim>& settings, std::
                         "water table",
                         table, settings.bodies[other].name, *own->water_table));
   }
+}
+
+template <int dim>
+bool starts_in_flow(const MpmSettings<dim>& settings, std::size_t b) {
+  return settings.initial_stress[b] && settings.initial_stress[b]->steady_seepage;
+}
+
+// Check that the water of this body and that of the first one that drains both flow at the start,
+// or neither.
+template <int dim>
+void check_flow(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t first,
+                std::size_t b) {
+  const bool flows = starts_in_flow(settings, b);
+  if (flows == starts_in_flow(settings, first)) return;
+  in.fail(fmt::format("bodies/{}/initial_stress/pore_pressure", b),
+          fmt::format("found {} where \"{}\" has {}, allowed: \"steady_seepage\" of all bodies "
+                      "whose water drains, or of none",
+                      flows ? "\"steady_seepage\"" : "another start", settings.bodies[first].name,
+                      flows ? "another start" : "\"steady_seepage\""));
 }
 
 // Check that cells resolve the pressure between full pores and those that air has entered.
@@ -126,6 +146,29 @@ void check_linear_solver(const ConfigReader& in, const MpmSettings<dim>& setting
           fmt::format("found \"{}\" with \"permeability\", allowed: auto, lu, mumps", method));
 }
 
+// Refuse an inflow through walls that no soil takes in, and where its area is not known.
+template <int dim>
+void check_inflow(const MpmSettings<dim>& settings) {
+  const bool any_drains = std::ranges::any_of(settings.bodies, drains<dim>);
+  for (const Phase& phase : settings.phases) {
+    for (const WallSettings& wall : phase.walls) {
+      if (wall.inflow == 0) continue;
+      const auto refuse = [&wall](const char* found, const char* allowed) {
+        throw ConfigError(fmt::format("{}: found {:g} {}, allowed: {}", wall.where_inflow,
+                                      wall.inflow, found, allowed));
+      };
+      if (!any_drains) {
+        refuse("without soil whose water drains",
+               "with a body that has \"water\" with \"permeability\"");
+      }
+      if (phase.is_explicit()) refuse("in a phase with explicit steps", "implicit steps");
+      if (settings.grid.basis != Basis::gimp) {
+        refuse("with \"basis\" \"bspline\", whose points have no sides", "\"basis\": \"gimp\"");
+      }
+    }
+  }
+}
+
 template <int dim>
 void check_density(const ConfigReader& in, const MpmSettings<dim>& settings, std::size_t first,
                    std::size_t b) {
@@ -140,12 +183,10 @@ void check_density(const ConfigReader& in, const MpmSettings<dim>& settings, std
 
 // Refuse what the fractional step cannot do as yet.
 template <int dim>
-void check_explicit(const ConfigReader& in, const MpmSettings<dim>& settings) {
+void check_fractional_step(const ConfigReader& in, const MpmSettings<dim>& settings) {
   if (!any_explicit(settings.phases)) return;
   constexpr const char* found =
       "found with \"permeability\" and explicit steps, allowed: implicit steps";
-  if (!settings.pools.empty()) in.fail("pools", found);
-  if (settings.rain) in.fail("rain", found);
   for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
     const auto& water = settings.bodies[b].water;
     if (water && gives_way(*water)) {
@@ -237,14 +278,16 @@ void check_seepage(const ConfigReader& in, const MpmSettings<dim>& settings) {
     check_layout(in, settings, b);
     check_cells(in, settings, b);
     check_start(in, settings, b);
+    check_flow(in, settings, *first, b);
     check_suction(in, settings, b);
     check_density(in, settings, *first, b);
   }
   check_surfaces(settings);
   check_rain(in, settings);
+  check_inflow(settings);
   if (first) {
     check_phases(in, settings.phases, *first);
-    check_explicit(in, settings);
+    check_fractional_step(in, settings);
     check_linear_solver(in, settings);
     return;
   }

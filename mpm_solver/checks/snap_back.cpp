@@ -38,9 +38,9 @@ void check_soil(const SofteningSoil<dim>& soil, double widest, double pressure,
   const double mu = soil.shear_modulus();
   require<ConfigError>(steepness < 1, [&] {
     return fmt::format(
-        "{}: found a strength that falls {:.3g} times as fast with the shear as the stress of a "
-        "point can unload, {}with a shear modulus of {:.3g} Pa, allowed: less than as fast; {}a "
-        "shear modulus above {:.3g} Pa",
+        "{}: found a strength that falls {:.3g} times as fast with shear as the stress of a point "
+        "can unload, {}with a shear modulus of {:.3g} Pa, allowed: less than 1; {}a shear modulus "
+        "above {:.3g} Pa",
         where(), steepness,
         by_slip ? fmt::format("in shear bands {:.3g} m wide (which the cells of the grid make) ",
                               widest)

@@ -61,12 +61,11 @@ std::string free_of_stress_text(const MpmSettings<dim>& settings) {
   }
   if (names.empty()) return "";
   return fmt::format(
-      "free of stress at the start, with its whole weight at once: {}. What lies on a bed swings "
-      "about its rest, with {:.2g} s a period: the force on the bed goes from next to none to "
-      "twice "
-      "the weight until friction and walls have damped it. To start at rest: \"initial_stress\" "
-      "(level layers), a first phase with \"analysis\": \"quasi_static\" (slopes too), or a "
-      "\"gravity_ramp\" of several periods (docs/guide.md)",
+      "free of stress at the start, with its whole weight at once: {}. Such soil oscillates with a "
+      "period of {:.2g} s: the force on its bed varies from almost none to twice the weight until "
+      "friction and walls have damped it. To start at rest: \"initial_stress\" (level layers), a "
+      "first phase with \"analysis\": \"quasi_static\" (slopes too), or a \"gravity_ramp\" of "
+      "several periods (docs/guide.md)",
       fmt::join(names, ", "), period);
 }
 
@@ -124,9 +123,9 @@ std::string soft_interfaces_text(const MpmSettings<dim>& settings, double cell_s
   if (softest.share <= notable_share) return "";
   return fmt::format(
       "soft contact while soil takes its weight, at {}: at {:.3g} Pa, half the pressure under "
-      "\"{}\", it gives by {:.2g} m. Of a thrust at rest over {:.3g} m of that soil some {:.0f} % "
-      "would be missing. \"resting_factor\": 12 of the interface leaves out 3 % at most; "
-      "\"initial_stress\" starts with the whole thrust",
+      "\"{}\", it yields by {:.2g} m. The thrust at rest over {:.3g} m of that soil would be some "
+      "{:.0f} % too small. With \"resting_factor\": 12 of the interface it is at most 3 % too "
+      "small; with \"initial_stress\" it is there from the start",
       fmt::join(names, ", "), softest.pressure, settings.bodies[softest.body].name, softest.depth,
       softest.width, 100 * softest.share);
 }
@@ -143,9 +142,9 @@ void warn_of_weight_on_water(const MpmSettings<dim>& settings) {
     if (!body.water || body.water->drains() || settings.initial_stress[b]) continue;
     const double Q = body.water->modulus(), M = skeleton_modulus(body);
     log::warn(
-        "{}/{}: found \"water\" without \"initial_stress\": the weight comes onto undrained soil, "
-        "of whose confined load the water bears {:.3g} %, and leaves the skeleton next to no "
-        "effective stress, so no friction. Soil at rest before: \"initial_stress\" with "
+        "{}/{}: found \"water\" without \"initial_stress\": the weight acts on undrained soil, and "
+        "the water bears {:.3g} % of a confined load, so that the skeleton has almost no effective "
+        "stress and no friction. For soil that was at rest before: \"initial_stress\" with "
         "\"water_table\"",
         settings.bodies_where, b, 100 * Q / (Q + M));
   }
@@ -195,8 +194,8 @@ class StackedBodies {
     const Body<dim>&above = settings_.bodies[upper_], &below = settings_.bodies[lower_];
     return fmt::format(
         "; where \"{}\" ({:g} kg/m^3) lies on \"{}\" ({:g} kg/m^3), at {:g}, the vertical stress "
-        "jumps from {:.4g} to {:.4g} Pa: each layer takes its stress from its own density up to "
-        "its \"surface\". With \"surface\": {:.9g} of \"{}\" it would not",
+        "jumps from {:.4g} to {:.4g} Pa: each layer has the stress of its own density up to its "
+        "\"surface\". With \"surface\": {:.9g} of \"{}\" there is no jump",
         above.name, above.material.density, below.name, below.material.density, height_,
         -from_above, -from_below, balanced_surface(from_above), below.name);
   }
@@ -235,6 +234,11 @@ std::string stress_jump_text(const MpmSettings<dim>& settings, const Vector<dim>
   for (std::size_t lower = 0; lower < count; ++lower) {
     for (std::size_t upper = 0; upper < count; ++upper) {
       if (lower == upper || !settings.initial_stress[lower] || !settings.initial_stress[upper]) {
+        continue;
+      }
+      // What flowing water leaves to the grains is not known before the flow is.
+      if (settings.initial_stress[lower]->steady_seepage ||
+          settings.initial_stress[upper]->steady_seepage) {
         continue;
       }
       const std::string text = StackedBodies<dim>(settings, gravity, lower, upper).text();

@@ -15,6 +15,7 @@ template <int dim>
 BoundaryPoints<dim>::BoundaryPoints(const ContactSettings<dim>& settings,
                                     const BoundaryPointSettings& method)
     : surface_(settings.surface),
+      friction_(settings.friction),
       law_{.mode = settings.mode,
            .friction = settings.friction,
            .penalty = method.penalty,
@@ -75,6 +76,7 @@ template <int dim>
 void BoundaryPoints<dim>::begin_step(const SoilSurface<dim>& soil) {
   touching_.clear();
   dt_ = soil.dt;
+  law_.friction = friction_ / soil.strength_factor;
   if (rank_of(soil.comm) != 0) return;
   if (!cells_found_) find_cells(soil);
   cells_found_ = false;

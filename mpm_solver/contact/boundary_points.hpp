@@ -75,6 +75,7 @@ class BoundaryPoints final : public WholeContact<dim> {
   std::int32_t find_cell(const SoilSurface<dim>& soil, const Point& b) const;
 
   MovingSurface<dim> surface_;
+  double friction_ = -1;  // as in ContactLaw, of full strength
   ContactLaw law_;
   GapMemory memory_;
   double dt_ = 0;  // of the current step

@@ -7,16 +7,12 @@
 #include <utility>
 
 #include "mpm_solver/config_checks.hpp"
+#include "mpm_solver/contact/sticking.hpp"
 #include "mpm_solver/contact/surface_config.hpp"
 
 namespace gabion::mpm {
 
 namespace {
-
-// Coefficient of friction of facets that stick. Where soil comes off, the tangential traction then
-// goes to nothing with the pressure; without a bound it would jump, and soil without cohesion would
-// have no state of balance on either side of the jump.
-constexpr double sticking = 100;
 
 // The keys of the method boundary_points.
 template <int dim>

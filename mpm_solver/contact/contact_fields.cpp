@@ -8,8 +8,6 @@
 #include <limits>
 #include <utility>
 
-#include "common/base/require.hpp"
-#include "common/run/list_lengths.hpp"
 #include "mpm_solver/contact/facet_hash.hpp"
 
 namespace gabion::mpm {
@@ -28,29 +26,58 @@ constexpr std::size_t block = 8;
 // In 3D the square of a mark is cut into this many parts along each side.
 constexpr int parts = 4;
 
-/// The facets of a surface where they are, to be found from some places.
+/// Simplices of a surface, in its order, and the facet of each.
+template <int dim>
+struct CutFacets {
+  std::vector<Simplex<dim>> simplices;
+  std::vector<std::size_t> facets;
+};
+
+/// The facets of a surface whose bounding boxes, widened by the margin [m], meet that of the
+/// places.
+template <int dim>
+CutFacets<dim> facets_near(const ContactSurface<dim>& surface, std::span<const Vector<dim>> at,
+                           double margin, std::span<const Vector<dim>> places) {
+  using Box = Eigen::AlignedBox<double, dim>;
+  Box around;
+  for (const Vector<dim>& x : places) around.extend(x);
+  const std::size_t cuts_per_facet = surface.facet_type == CellType::quad4 ? 2 : 1;
+  const std::vector<Simplex<dim>> all = simplices(surface);
+  CutFacets<dim> near;
+  for (std::size_t s = 0; s < all.size(); ++s) {
+    Box box;
+    for (const std::int32_t v : all[s]) box.extend(at[v]);
+    box.min().array() -= margin;
+    box.max().array() += margin;
+    if (!box.intersects(around)) continue;
+    near.simplices.push_back(all[s]);
+    near.facets.push_back(s / cuts_per_facet);
+  }
+  return near;
+}
+
+/// The facets of a surface where they are, to be found from some places; those far from all of them
+/// are left out.
 template <int dim>
 struct PlacedSurface {
   PlacedSurface(const ContactSurface<dim>& surface, std::span<const Vector<dim>> at, double margin,
                 std::span<const Vector<dim>> places)
       : vertices(at),
-        cut(simplices(surface)),
-        bounds(bounds_of<dim>(cut, at)),
-        cuts_per_facet(surface.facet_type == CellType::quad4 ? 2 : 1),
-        hash(cut, at, margin, places) {}
+        near(facets_near(surface, at, margin, places)),
+        bounds(bounds_of<dim>(near.simplices, at)),
+        hash(near.simplices, at, margin, places) {}
 
   std::array<Vector<dim>, dim> corners(std::int32_t s) const {
-    return corners_of<dim>(cut[s], vertices);
+    return corners_of<dim>(near.simplices[s], vertices);
   }
   double height(std::int32_t s, const Vector<dim>& x) const {
-    return (x - vertices[cut[s][0]]).dot(bounds[s].normal);
+    return (x - vertices[near.simplices[s][0]]).dot(bounds[s].normal);
   }
-  std::size_t facet(std::int32_t s) const { return static_cast<std::size_t>(s / cuts_per_facet); }
+  std::size_t facet(std::int32_t s) const { return near.facets[s]; }
 
   std::span<const Vector<dim>> vertices;
-  std::vector<Simplex<dim>> cut;
+  CutFacets<dim> near;
   std::vector<SimplexBounds<dim>> bounds;
-  int cuts_per_facet;
   FacetHash<dim> hash;
 };
 
@@ -109,37 +136,85 @@ class NearPoints {
   std::vector<std::int32_t> near_;
 };
 
+/// Numbers of places that lie together one after the other: cube by cube of this side [m].
+template <int dim>
+std::vector<std::int32_t> in_cubes(std::span<const Vector<dim>> places, double side) {
+  using Cube = std::array<std::int64_t, dim>;
+  std::vector<std::pair<Cube, std::int32_t>> all(places.size());
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    for (int d = 0; d < dim; ++d) {
+      all[p].first[d] = static_cast<std::int64_t>(std::floor(places[p][d] / side));
+    }
+    all[p].second = static_cast<std::int32_t>(p);
+  }
+  std::sort(all.begin(), all.end());
+  std::vector<std::int32_t> order;
+  for (const auto& each : all) order.push_back(each.second);
+  return order;
+}
+
+/// Numbers of the points that may be within a distance of a simplex by its bounding sphere, which
+/// goes no farther beyond the simplex than its corners are apart; those that lie together follow
+/// each other, cube by cube of a side [m].
+template <int dim>
+std::vector<std::int32_t> points_near(const ContactSurface<dim>& surface,
+                                      std::span<const Vector<dim>> vertices, double distance,
+                                      std::span<const Vector<dim>> x, double side) {
+  Eigen::AlignedBox<double, dim> box;
+  double widest = 0;
+  for (std::size_t f = 0, n = num_nodes(surface.facet_type); f < surface.facets.size(); f += n) {
+    Eigen::AlignedBox<double, dim> own;
+    for (std::size_t k = f; k < f + n; ++k) own.extend(vertices[surface.facets[k]]);
+    widest = std::max(widest, own.sizes().norm());
+    box.extend(own);
+  }
+  const Vector<dim> beyond = Vector<dim>::Constant(distance + widest);
+  const Eigen::AlignedBox<double, dim> around(box.min() - beyond, box.max() + beyond);
+  std::vector<std::int32_t> numbers;
+  std::vector<Vector<dim>> places;
+  for (std::int32_t p = 0; p < std::ssize(x); ++p) {
+    if (!around.contains(x[p])) continue;
+    numbers.push_back(p);
+    places.push_back(x[p]);
+  }
+  std::vector<std::int32_t> order = in_cubes<dim>(places, side);
+  std::ranges::transform(order, order.begin(), [&](std::int32_t k) { return numbers[k]; });
+  return order;
+}
+
 /// Contact spheres of the material points of a block, once one of them is asked for.
 template <int dim>
 class SpheresOfBlock {
  public:
-  SpheresOfBlock(const SphereOfPoint<dim>& sphere_of, std::int32_t num_points)
-      : sphere_of_(sphere_of), num_points_(static_cast<std::size_t>(num_points)) {}
+  /// @param order  of the material points, block by block
+  SpheresOfBlock(const SphereOfPoint<dim>& sphere_of, std::span<const std::int32_t> order)
+      : sphere_of_(sphere_of), order_(order) {}
 
-  const ContactSphere<dim>& of(std::int32_t p) {
-    look_at(p);
-    return spheres_[static_cast<std::size_t>(p) % block];
+  /// @param k  place in the order
+  const ContactSphere<dim>& of(std::size_t k) {
+    look_at(k);
+    return spheres_[k % block];
   }
-  /// No sphere of the block of point p reaches farther [m].
-  double most(std::int32_t p) {
-    look_at(p);
+  /// No sphere of the block of place k reaches farther [m].
+  double most(std::size_t k) {
+    look_at(k);
     return most_;
   }
 
  private:
-  void look_at(std::int32_t p) {
-    const std::size_t number = static_cast<std::size_t>(p) / block;
+  void look_at(std::size_t k) {
+    const std::size_t number = k / block;
     if (number == block_) return;
     block_ = number;
     most_ = 0;
-    for (std::size_t k = 0; k < std::min(block, num_points_ - number * block); ++k) {
-      spheres_[k] = sphere_of_(static_cast<std::int32_t>(number * block + k));
-      most_ = std::max(most_, spheres_[k].shape.norm() + spheres_[k].offset.norm());
+    for (std::size_t i = 0; i < std::min(block, order_.size() - number * block); ++i) {
+      spheres_[i] = sphere_of_(order_[number * block + i]);
+      most_ = std::max(most_, spheres_[i].shape.norm() + spheres_[i].offset.norm());
     }
   }
 
   const SphereOfPoint<dim>& sphere_of_;
-  std::size_t num_points_;
+  std::span<const std::int32_t> order_;
   std::size_t block_ = std::numeric_limits<std::size_t>::max();
   double most_ = 0;
   std::array<ContactSphere<dim>, block> spheres_;
@@ -218,41 +293,6 @@ double gap_to_soil(const std::array<Vector<dim>, dim>& corners, const Vector<dim
 }  // namespace
 
 template <int dim>
-void visit_marks(StateVisitor& visitor, const std::string& prefix, std::size_t num_facets,
-                 std::vector<ContactMark<dim>>& marks) {
-  constexpr Vector<dim> ContactMark<dim>::*members[] = {
-      &ContactMark<dim>::x, &ContactMark<dim>::normal, &ContactMark<dim>::force,
-      &ContactMark<dim>::slip};
-  std::vector<std::int64_t> facets;
-  std::vector<double> values;
-  for (const ContactMark<dim>& mark : marks) {
-    facets.push_back(2 * std::int64_t{mark.facet} + (mark.sliding ? 1 : 0));
-    values.insert(values.end(), {mark.area, mark.gap});
-    for (const auto member : members) {
-      values.insert(values.end(), (mark.*member).begin(), (mark.*member).end());
-    }
-  }
-  visitor.list(prefix + "mark_facets", facets);
-  visitor.list(prefix + "marks", values);
-  require_values_each(prefix + "marks", values.size(), facets.size(), 2 + 4 * dim);
-  marks.assign(facets.size(), {});
-  auto value = values.begin();
-  for (std::size_t k = 0; k < facets.size(); ++k) {
-    require(facets[k] >= 0 && std::cmp_less(facets[k] / 2, num_facets),
-            "saved state: \"{}mark_facets\": found {}, allowed: 0 to {}", prefix, facets[k] / 2,
-            static_cast<std::int64_t>(num_facets) - 1);
-    marks[k].facet = static_cast<std::int32_t>(facets[k] / 2);
-    marks[k].sliding = facets[k] % 2 != 0;
-    marks[k].area = *value++;
-    marks[k].gap = *value++;
-    for (const auto member : members) {
-      std::copy_n(value, dim, (marks[k].*member).begin());
-      value += dim;
-    }
-  }
-}
-
-template <int dim>
 ContactFields<dim>::ContactFields(std::vector<Vector<dim>> vertices_, std::size_t num_facets)
     : vertices(std::move(vertices_)),
       force(num_facets, Vector<dim>::Zero()),
@@ -304,29 +344,36 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
   for (std::int32_t p = 0; p < points.size(); ++p) {
     widest = std::max(widest, points.V0[p] * points.J[p]);
   }
-  const double farthest = reach + cube_side<dim>(widest);
-  const PlacedSurface<dim> placed(surface, fields.vertices, farthest, points.x);
-  NearPoints<dim> near(placed, points.x, farthest);
-  SpheresOfBlock<dim> spheres(sphere_of, points.size());
-  for (std::int32_t p = 0; p < points.size(); ++p) {
-    const Vector<dim>& x = points.x[p];
+  if (!(widest > 0)) return;
+  const double side = cube_side<dim>(widest), farthest = reach + side;
+  // Points of one number range may be far apart: in soil that flows they mix.
+  const std::vector<std::int32_t> order =
+      points_near<dim>(surface, fields.vertices, farthest, points.x, 2 * side);
+  std::vector<Vector<dim>> places;
+  for (const std::int32_t p : order) places.push_back(points.x[p]);
+  const PlacedSurface<dim> placed(surface, fields.vertices, farthest, places);
+  NearPoints<dim> near(placed, places, farthest);
+  SpheresOfBlock<dim> spheres(sphere_of, order);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const std::int32_t p = order[k];
+    const Vector<dim>& x = places[k];
     // Higher points are passed over: their gap is at least the height less R, which is more than
     // the gap known.
     const auto highest = [&](std::int32_t s) {
       const double known = std::min(fields.gap[placed.facet(s)], reach);
-      return (1 + rounding) * (std::max(0.0, known) + spheres.most(p));
+      return (1 + rounding) * (std::max(0.0, known) + spheres.most(k));
     };
     const auto matters = [&](std::int32_t s, const Surrounding<dim>& around) {
       const double height = placed.height(s, around.middle);
       const double radius = (1 + rounding) * around.radius;
       return height >= -radius && height - radius <= highest(s);
     };
-    for (const std::int32_t s : near.of(p, matters)) {
+    for (const std::int32_t s : near.of(k, matters)) {
       const double height = placed.height(s, x);
       if (height <= 0 || height > highest(s)) continue;
       const SimplexBounds<dim>& bounds = placed.bounds[s];
       if (bounds.is_beyond(x, farthest)) continue;
-      const double R = spheres.of(p).reach(bounds.normal);
+      const double R = spheres.of(k).reach(bounds.normal);
       const double half_width = width_of(points.V0[p] * points.J[p] / (2 * R), dim) / 2;
       double& least = fields.gap[placed.facet(s)];
       // the gap is at least the distance of the simplex - half_width - R
@@ -339,10 +386,6 @@ void add_gaps(const ContactSurface<dim>& surface, const MaterialPoints<dim>& poi
   }
 }
 
-template void visit_marks<2>(StateVisitor&, const std::string&, std::size_t,
-                             std::vector<ContactMark<2>>&);
-template void visit_marks<3>(StateVisitor&, const std::string&, std::size_t,
-                             std::vector<ContactMark<3>>&);
 template struct ContactFields<2>;
 template struct ContactFields<3>;
 template void spread_marks<2>(const ContactSurface<2>&, std::span<const ContactMark<2>>,

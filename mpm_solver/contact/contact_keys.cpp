@@ -11,12 +11,13 @@ namespace {
 Key resting_factor_key() {
   return key::number(
              "resting_factor", "",
-             "Of touches that begin while soil takes its weight, in quasi-static steps or while a "
-             "`gravity_ramp` runs: the stiffness at the pressure under the body by its own weight "
-             "and above it, times the mean cell size over the P-wave modulus; it holds as long as "
-             "the touch lasts. 12 leaves all but 3 % of a thrust between walls 16 cells apart. 0: "
-             "as `penalty_factor` says, with which stiff soil finds little thrust after a ramp, "
-             "but the coupling iterates less with a structure as soft as the soil.")
+             "Stiffness of contact points that form while soil takes its weight (in quasi-static "
+             "steps or during a `gravity_ramp`), times the mean cell size over the P-wave modulus. "
+             "It acts at the pressure under the body's own weight and above, as long as the "
+             "contact lasts. With 12, the thrust between walls 16 cells apart is at most 3 % too "
+             "small. 0: the stiffness is that of `penalty_factor`. Stiff soil then finds little "
+             "thrust after a ramp, but coupling with a structure as soft as the soil takes fewer "
+             "iterations.")
       .in(non_negative())
       .or_computed("12 of a rigid wall, 0 of an interface")
       .when("method", {"facets"});
@@ -24,7 +25,7 @@ Key resting_factor_key() {
 
 Key turbulent_drag_key() {
   return key::number("turbulent_drag", "Pa s^2/m^2",
-                     "Shear stress over the square of the speed of sliding, beside `friction`: rho "
+                     "Shear stress over the square of the sliding speed, added to `friction`: rho "
                      "g / xi of Voellmy.")
       .in(non_negative())
       .or_else(0)
@@ -35,8 +36,8 @@ Key turbulent_drag_key() {
 
 Key friction_key() {
   return key::number("friction", "",
-                     "Coefficient of friction; none: it sticks, `facets` with a coefficient of "
-                     "100, so that nothing jumps where soil comes off.")
+                     "Coefficient of friction; none: soil sticks, with `facets` by a coefficient "
+                     "of 100, so that forces do not jump where it separates.")
       .in(non_negative())
       .or_none()
       .when("mode", {"contact"});
@@ -44,8 +45,8 @@ Key friction_key() {
 
 Key friction_at_speed_key() {
   return key::number("friction_at_speed", "",
-                     "Coefficient that `friction` falls to as soil slides faster, at most "
-                     "`friction`; none: it does not depend on the speed.")
+                     "Coefficient to which friction falls as soil slides faster, at most "
+                     "`friction`; none: friction does not depend on the speed.")
       .in(non_negative())
       .or_none()
       .when("mode", {"contact"})
@@ -55,7 +56,7 @@ Key friction_at_speed_key() {
 
 Key weakening_speed_key() {
   return key::number("weakening_speed", "m/s",
-                     "Speed v_c of sliding at which 1 - 1/e of that fall is reached: "
+                     "Sliding speed v_c at which 1 - 1/e of that fall is reached: "
                      "`friction_at_speed` + (`friction` - `friction_at_speed`) exp(-v / v_c).")
       .in(positive())
       .with("friction_at_speed");
@@ -73,7 +74,7 @@ Key drained_key() {
 
 std::vector<Key> boundary_keys() {
   return {
-      key::object("surface", surface_keys(), "Where the boundary points lie."),
+      key::object("surface", surface_keys(), "Surface that the soil meets."),
       key::choice(
           "mode", {"fixed", "contact", "slip"},
           "`contact`: pushes, never pulls, and sticks or slides by `friction`; `slip`: pushes "
@@ -83,9 +84,9 @@ std::vector<Key> boundary_keys() {
           .or_else("contact"),
       key::choice(
           "method", {"boundary_points", "facets"},
-          "`facets`: material points against the facets of the surface, by the distance between "
-          "them; `boundary_points`: points on the surface that hold the grid, from the moment soil "
-          "comes into their cell.")
+          "`facets`: contact between material points and the facets of the surface, by their "
+          "distance; `boundary_points`: points on the surface that hold the grid from the moment "
+          "soil enters their cell.")
           .or_else("facets"),
       key::choice(
           "gap", {"accumulated", "step"},
@@ -99,9 +100,9 @@ std::vector<Key> boundary_keys() {
           .when("method", {"boundary_points"}),
       key::number(
           "penalty_factor", "",
-          "With `facets` the traction at a depth of one cell over the P-wave modulus of the "
-          "body; the traction grows with the square of the depth. With `boundary_points` "
-          "the penalty times the mean cell size over the largest such modulus.")
+          "With `facets`: traction at a penetration of one cell size, over the P-wave modulus of "
+          "the body; it grows with the square of the penetration. With `boundary_points`: penalty "
+          "times the mean cell size, over the largest such modulus.")
           .in(positive())
           .or_computed("10; 0.5 with `boundary_points`")
           .without("penalty"),
@@ -121,8 +122,8 @@ std::vector<Key> boundary_keys() {
           .or_computed("1; with `friction` 0.1")
           .when("method", {"boundary_points"}),
       key::integer("points_per_facet",
-                   "Boundary points of a facet: any number of a segment; 1, 3, 4, 6, 12 or 16 of a "
-                   "triangle; 1, 4, 9 or 16 of a quadrilateral; at most 1 000 000 in all.")
+                   "Boundary points per facet: any number on a segment; 1, 3, 4, 6, 12 or 16 on a "
+                   "triangle; 1, 4, 9 or 16 on a quadrilateral; at most 1 000 000 in all.")
           .in(at_least(1))
           .or_computed("number of its vertices")
           .when("method", {"boundary_points"})};
@@ -138,19 +139,20 @@ KeyTable with_boundary(KeyTable table) {
 
 KeyTable interface_keys() {
   return with_boundary({"interface",
-                        "A surface that the coupler moves and that gets the force of the soil.",
+                        "A surface that the coupler moves and that receives the force of the soil.",
                         {key::plain_name("As in coupler.json.")}});
 }
 
 KeyTable rigid_wall_keys() {
   KeyTable table =
       with_boundary({"rigid_wall",
-                     "A surface that moves as given, whatever the soil does.",
-                     {key::plain_name("Its own; columns of the tables start with it.")}});
+                     "A surface at rest or with a given motion, whatever the soil does.",
+                     {key::plain_name("Unique name; columns of the tables start with it.")}});
   table.keys.push_back(
       key::object("motion", rigid_motion_keys(), "Given motion; none: it is at rest.").or_none());
   table.keys.push_back(
-      key::vector("moment_about", "m", "Place about which the moment on it is given.").or_else(0));
+      key::vector("moment_about", "m", "Point about which the moment on the wall is given.")
+          .or_else(0));
   return table;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mpm_solver/contact/contact_law.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gabion::mpm {
@@ -41,6 +42,14 @@ ContactLaw::Slide ContactLaw::slide_beyond(double excess) const {
   return {.slip = 2 * excess / (k + root), .elastic = 1 - k / root};
 }
 
+double ContactLaw::on_grains(double t_n) const {
+  return (1 - drained) * grain_share * t_n + drained * std::max(0.0, t_n - pore_pressure);
+}
+
+double ContactLaw::on_grains_slope(double t_n) const {
+  return (1 - drained) * grain_share + (t_n > pore_pressure ? drained : 0);
+}
+
 double ContactLaw::friction_now() const {
   if (weakening.fall == 0) return friction;
   return friction + weakening.fall * std::expm1(-speed / weakening.speed);
@@ -70,8 +79,9 @@ ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* s
   const double mu = mode == ContactMode::slip ? 0 : friction_now();
   if (mode == ContactMode::fixed || mu < 0) return result;
 
-  const bool grains_touch = t[0] > pore_pressure;
-  double limit = grains_touch ? mu * (t[0] - pore_pressure) : 0;
+  const double borne = on_grains(t[0]);
+  const bool grains_touch = borne > 0;
+  double limit = grains_touch ? mu * borne : 0;
   const double size = t.template tail<dim - 1>().norm();
   if (size <= limit) return result;
   result.sliding = true;
@@ -81,8 +91,7 @@ ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* s
     limit = size - tangential_penalty * slide.slip;
     result.elastic = slide.elastic;
   }
-  if (grains_touch)
-    result.by_speed = (1 - result.elastic) * friction_slope() * (t[0] - pore_pressure);
+  if (grains_touch) result.by_speed = (1 - result.elastic) * friction_slope() * borne;
   Vector<dim> direction = t / size;
   direction[0] = 0;
   t.template tail<dim - 1>() = limit * direction.template tail<dim - 1>();
@@ -90,7 +99,8 @@ ContactTraction<dim> ContactLaw::traction(const Vector<dim>& gap, Matrix<dim>* s
   *slope *= limit / size;
   *slope -=
       tangential_penalty * (limit / size - result.elastic) * direction * direction.transpose();
-  slope->col(0) = (grains_touch ? (1 - result.elastic) * mu * normal_slope : 0) * direction;
+  const double borne_slope = on_grains_slope(t[0]) * normal_slope;
+  slope->col(0) = (grains_touch ? (1 - result.elastic) * mu * borne_slope : 0) * direction;
   (*slope)(0, 0) = normal_slope;
   return result;
 }

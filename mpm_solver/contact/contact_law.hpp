@@ -41,7 +41,7 @@ enum class NormalLaw {
 /// and the turbulent drag of Voellmy:
 ///
 ///     t_n = penalty d or penalty d^2 ,  t_t = -tangential_penalty g_t ,
-///     |t_t| <= mu <t_n - p> + drag v^2 ,  p that of pore water at the surface
+///     |t_t| <= mu t_g + drag v^2 ,  t_g = (1 - g) chi t_n + g <t_n - p> what grains bear
 ///
 /// with the speed v = s / time of the slip s in the step, which is the part of g_t beyond the
 /// limit. The limit is the root of a quadratic equation and has the direction of t_t: it takes
@@ -61,10 +61,15 @@ struct ContactLaw {
   double time = 0;           ///< in which the slip came about, with a drag [s]; 0: none can
   FrictionFall weakening{};  ///< of the friction
   double speed = 0;          ///< of the soil along the surface in this time, with a fall [m/s]
-  double pore_pressure = 0;  ///< of the traction, what the water bears, without friction [Pa]
+  double pore_pressure = 0;  ///< p at the surface [Pa]
+  double drained = 1;        ///< g, share of a change of pressure that drains in the step, 0 to 1
+  double grain_share = 1;    ///< chi, of the traction that grains bear where none drains, 0 to 1
 
   /// Whether sliding makes the stiffness unsymmetric.
   bool has_friction() const { return mode == ContactMode::contact && friction > 0; }
+  /// t_g [Pa]. @param t_n  >= 0
+  double on_grains(double t_n) const;
+  double on_grains_slope(double t_n) const;  ///< dt_g/dt_n
   /// Energy that the normal part stores per area at a penetration [J/m^2].
   double stored(double depth) const;
   /// The quadratic law is penalty d g(d): g = d up to d_1 = linear_from, 2 d_1 - d_1^2 / d beyond

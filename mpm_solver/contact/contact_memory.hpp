@@ -95,6 +95,8 @@ class ContactMemory {
   /// The contacts of a point; null: none.
   const Contacts* contacts(std::int64_t id) const;
   Contacts& add(std::int64_t id) { return contacts_[id]; }
+  /// Points of which make_index() found contacts or an offset.
+  std::int32_t num_known() const { return index_.size(); }
   /// Hands out all contacts and forgets them.
   std::map<std::int64_t, Contacts> take_contacts() { return std::exchange(contacts_, {}); }
   /// Offset of a contact sphere from its point [m].

@@ -22,7 +22,7 @@ void ContactPoints<dim>::find(std::span<const double> du) {
   opened_.clear();
   w_.clear();
   search_.find(du, [&](std::int32_t candidate, std::span<const SurfaceFeature<dim>> features) {
-    add(candidate, features, du);
+    add(candidate, features);
   });
   order();
 }
@@ -31,8 +31,10 @@ template <int dim>
 void ContactPoints<dim>::find_opened() {
   search_.find_opened([this](std::int32_t k, std::span<const SurfaceFeature<dim>> features) {
     const Candidate& c = search_.candidates()[k];
+    if (features.empty()) return;
+    search_.motions_of_nodes(c, motions_);
     for (const auto& feature : features) {
-      Point point = point_at(c, feature, search_.du());
+      Point point = point_at(c, feature);
       point.candidate = k;
       if (point.gap >= 0) opened_.push_back(point);
     }
@@ -64,12 +66,13 @@ void ContactPoints<dim>::set_slip(const Candidate& c, Point& contact) const {
 
 // Add the contact points of one candidate.
 template <int dim>
-void ContactPoints<dim>::add(std::int32_t candidate, std::span<const SurfaceFeature<dim>> features,
-                             std::span<const double> du) {
+void ContactPoints<dim>::add(std::int32_t candidate,
+                             std::span<const SurfaceFeature<dim>> features) {
   const Candidate& c = search_.candidates()[candidate];
+  if (!features.empty()) search_.motions_of_nodes(c, motions_);
   const std::size_t first = points_.size();
   for (const auto& feature : features) {
-    Point contact = point_at(c, feature, du);
+    Point contact = point_at(c, feature);
     contact.candidate = candidate;
     if (contact.gap >= 0) {
       w_.resize(contact.first_weight);
@@ -83,8 +86,7 @@ void ContactPoints<dim>::add(std::int32_t candidate, std::span<const SurfaceFeat
 
 template <int dim>
 ContactPoint<dim> ContactPoints<dim>::point_at(const Candidate& c,
-                                               const SurfaceFeature<dim>& feature,
-                                               std::span<const double> du) {
+                                               const SurfaceFeature<dim>& feature) {
   const Vector<dim>& n = feature.normal;
   Point contact;
   contact.owner = surface_.owner(feature.simplex);
@@ -94,12 +96,8 @@ ContactPoint<dim> ContactPoints<dim>::point_at(const Candidate& c,
   contact.first_weight = static_cast<std::int32_t>(w_.size());
   w_.resize(w_.size() + c.num_values);
   double* w = w_.data() + contact.first_weight;
-  const auto nodes = search_.nodes_of(c);
   search_.surface_weights(c, n, w);
-  for (std::int32_t k = 0; k < c.num_values; ++k) {
-    const std::ptrdiff_t node = nodes[k];
-    contact.motion += w[k] * Eigen::Map<const Vector<dim>>(du.data() + node * dim);
-  }
+  for (std::int32_t k = 0; k < c.num_values; ++k) contact.motion += w[k] * motions_[k];
   if (const auto* memory = going_on(c.memory, n))
     contact.initial_penetration = memory->initial_penetration();
   contact.gap = feature.distance - contact.radius + n.dot(contact.motion - c.motion) -

@@ -85,10 +85,8 @@ class ContactPoints {
   }
 
  private:
-  void add(std::int32_t candidate, std::span<const SurfaceFeature<dim>> features,
-           std::span<const double> du);
-  Point point_at(const Candidate& c, const SurfaceFeature<dim>& feature,
-                 std::span<const double> du);
+  void add(std::int32_t candidate, std::span<const SurfaceFeature<dim>> features);
+  Point point_at(const Candidate& c, const SurfaceFeature<dim>& feature);
   void set_slip(const Candidate& c, Point& point) const;
   void share_in_corners(const Candidate& c, std::size_t first);
   void order();
@@ -98,7 +96,8 @@ class ContactPoints {
   const FacetLaws<dim>& laws_;
   std::vector<Point> points_, opened_;
   std::vector<std::int32_t> by_owner_, first_of_;
-  std::vector<double> w_;  // of the points
+  std::vector<double> w_;             // of the points
+  std::vector<Vector<dim>> motions_;  // of the nodes of a candidate [m]
 };
 
 }  // namespace gabion::mpm

@@ -60,7 +60,7 @@ struct ContactSettings {
   std::variant<BoundaryPointSettings, FacetSettings> method;
 };
 
-/// A surface that moves as given, whatever the soil does.
+/// A surface at rest or with a given motion, whatever the soil does.
 template <int dim>
 struct RigidWallSettings {
   std::string name;

@@ -23,12 +23,12 @@ void add_remembered(const PointSearch<dim>& search, std::int32_t owner,
   }
 }
 
-// The law in the step under way: with the pore pressure and the speed along the surface.
+// The law in the step under way: with the pore water and the speed along the surface.
 template <int dim>
 ContactLaw FacetAssembly<dim>::law_now(const Point& contact) const {
   ContactLaw law = parts_.points.law_of(contact, contact.part);
-  law.pore_pressure = parts_.laws.pore_pressure_at(parts_.points.candidate(contact), contact.owner,
-                                                   contact.radius, contact.feature.normal);
+  parts_.laws.add_water(parts_.points.candidate(contact), contact.owner, contact.radius,
+                        contact.feature.normal, law);
   if (law.weakening.fall > 0 && law.time > 0)
     law.speed = tangential<dim>(contact.relative, contact.feature.normal).norm() / law.time;
   return law;

@@ -29,8 +29,8 @@ class FacetHash {
             double margin, std::span<const Vector<dim>> places)
       : FacetHash(simplices, vertices, margin, places, box_around(places)) {}
 
-  /// As above, for one of several searches, so that the simplices near a place do not depend on
-  /// which search asks. @param around  the places of all searches
+  /// A hash for one of several searches: simplices near a place do not depend on the search that
+  /// asks. @param around  the places of all searches
   FacetHash(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
             double margin, std::span<const Vector<dim>> places, const Box& around)
       : FacetHash(simplices, vertices, margin, &places, around) {}

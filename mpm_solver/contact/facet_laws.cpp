@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "common/mechanics/tensor_functions.hpp"
+
 namespace gabion::mpm {
 
 template <int dim>
@@ -27,13 +29,14 @@ ContactLaw FacetLaws<dim>::law_of(const ContactCandidate<dim>& c, std::int32_t o
   const FacetSettings& method = member.method;
   const double M = c.modulus, h = cell_size_;
   ContactLaw law{.mode = member.mode,
-                 .friction = member.friction,
+                 .friction = member.friction / strength_factor_,
                  .penalty = method.penalty_factor * M / (h * h),
                  .tangential_penalty = part * method.tangential_factor * M / h,
                  .normal = NormalLaw::quadratic,
                  .drag = member.drag,
                  .time = search_.soil() ? surface_.share() * search_.soil()->dt : 0,
-                 .weakening = member.weakening};
+                 .weakening = {.fall = member.weakening.fall / strength_factor_,
+                               .speed = member.weakening.speed}};
   const double k = method.resting_factor;
   if (c.took_weight && k * k * M > 4 * c.weight * method.penalty_factor) {
     law.penalty = k * k * M / (4 * c.weight) * M / (h * h);
@@ -43,12 +46,17 @@ ContactLaw FacetLaws<dim>::law_of(const ContactCandidate<dim>& c, std::int32_t o
 }
 
 template <int dim>
-double FacetLaws<dim>::pore_pressure_at(const ContactCandidate<dim>& c, std::int32_t owner,
-                                        double radius, const Vector<dim>& n) const {
+void FacetLaws<dim>::add_water(const ContactCandidate<dim>& c, std::int32_t owner, double radius,
+                               const Vector<dim>& n, ContactLaw& law) const {
   const std::optional<SoilSurface<dim>>& soil = search_.soil();
-  if (!soil || soil->pore_pressures.empty() || members_[owner].drained) return 0;
-  const double below = radius * n.dot(soil->water_weights[c.body]);
-  return std::max(0.0, c.pore_pressure - below);
+  if (!soil || soil->pore_waters.empty() || members_[owner].drained) return;
+  const WaterOfBody<dim>& water = soil->pore_waters[c.body];
+  // Without flow along the normal.
+  law.pore_pressure = std::max(0.0, c.pore_pressure - radius * n.dot(water.weight));
+  law.drained = water.drained;
+  if (!(c.pore_pressure > 0)) return;
+  const double grains = std::max(0.0, -n.dot(in_plane<dim>(c.grain_stress) * n));
+  law.grain_share = grains / (grains + c.pore_pressure);
 }
 
 template class FacetLaws<2>;

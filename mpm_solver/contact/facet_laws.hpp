@@ -16,7 +16,10 @@ class FacetLaws {
   FacetLaws(const std::vector<const ContactSettings<dim>*>& members,
             const JointSurface<dim>& surface, const PointSearch<dim>& search);
 
-  void begin_step(const SoilSurface<dim>& soil) { cell_size_ = soil.cell_size; }
+  void begin_step(const SoilSurface<dim>& soil) {
+    cell_size_ = soil.cell_size;
+    strength_factor_ = soil.strength_factor;
+  }
   /// Mean size of the grid's cells in the step [m].
   double cell_size() const { return cell_size_; }
   ContactMode mode(std::int32_t owner) const { return members_[owner].mode; }
@@ -24,11 +27,12 @@ class FacetLaws {
   /// The law between a candidate and a member, in dry soil.
   /// @param part  of the tangential stiffness
   ContactLaw law_of(const ContactCandidate<dim>& c, std::int32_t owner, double part) const;
-  /// The pore pressure at the surface [Pa]: 0 where it is drained, else that without flow along its
-  /// normal.
-  /// @param radius  of the contact sphere along the normal n [m]
-  double pore_pressure_at(const ContactCandidate<dim>& c, std::int32_t owner, double radius,
-                          const Vector<dim>& n) const;
+  /// Let pore water bear its part of a traction along the normal n, by the pressure and the
+  /// effective stress of the candidate's point when the step begins; none where the surface is
+  /// drained and under suction.
+  /// @param radius  of the contact sphere along n [m]
+  void add_water(const ContactCandidate<dim>& c, std::int32_t owner, double radius,
+                 const Vector<dim>& n, ContactLaw& law) const;
 
  private:
   struct Member {
@@ -43,6 +47,7 @@ class FacetLaws {
   const PointSearch<dim>& search_;
   std::vector<Member> members_;
   double cell_size_ = 0;
+  double strength_factor_ = 1;
 };
 
 }  // namespace gabion::mpm

@@ -2,6 +2,7 @@
 #include "mpm_solver/contact/facet_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace gabion::mpm {
@@ -41,6 +42,31 @@ void FacetSearch<dim>::find_bounds(Member& member) {
   member.bounds_known = true;
 }
 
+// A bounding sphere goes no farther beyond the simplex than its corners are apart.
+template <int dim>
+void FacetSearch<dim>::find_box(Member& member) const {
+  double widest = 0;
+  for (const Simplex<dim>& simplex : simplices_.subspan(member.first, member.count)) {
+    Eigen::AlignedBox<double, dim> box;
+    for (const std::int32_t v : simplex) box.extend(vertices_[v]);
+    widest = std::max(widest, box.sizes().squaredNorm());
+    member.box.extend(box);
+  }
+  const Vector<dim> beyond = Vector<dim>::Constant(std::sqrt(widest));
+  member.box = {member.box.min() - beyond, member.box.max() + beyond};
+}
+
+template <int dim>
+Eigen::AlignedBox<double, dim> FacetSearch<dim>::box() {
+  Eigen::AlignedBox<double, dim> box;
+  for (Member& member : members_) {
+    if (member.dropped || member.count == 0) continue;
+    if (member.box.isEmpty()) find_box(member);
+    box.extend(member.box);
+  }
+  return box;
+}
+
 template <int dim>
 void FacetSearch<dim>::begin_step(std::span<const Simplex<dim>> simplices,
                                   std::span<const Vector<dim>> vertices, double diameter) {
@@ -51,6 +77,10 @@ void FacetSearch<dim>::begin_step(std::span<const Simplex<dim>> simplices,
     reach_ = reach;
     for (Member& member : members_) member.has_lattice = false;
   }
+}
+
+template <int dim>
+void FacetSearch<dim>::make_ready() {
   size_ = 0;
   for (Member& member : members_) {
     if (!member.bounds_known) find_bounds(member);
@@ -72,13 +102,17 @@ template <int dim>
 void FacetSearch<dim>::add_motion(std::size_t member, double path) {
   if (path == 0) return;
   members_[member].bounds_known = false;
+  members_[member].box.setEmpty();
   members_[member].lattice.add_motion(path);
   members_[member].far.add_motion(path);
 }
 
 template <int dim>
 void FacetSearch<dim>::forget() {
-  for (Member& member : members_) member.bounds_known = member.has_lattice = false;
+  for (Member& member : members_) {
+    member.bounds_known = member.has_lattice = false;
+    member.box.setEmpty();
+  }
 }
 
 template <int dim>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,8 +10,9 @@
 
 namespace gabion::mpm {
 
-/// Search for the simplices of the members of a contact that are near a place when a step begins.
-/// Bounds and lists of members at rest are kept from step to step.
+/// Search for the simplices of the members of a contact that are near a place when a step begins:
+/// begin_step; then make_ready where there are places to ask for. Bounds and lists of members at
+/// rest are kept from step to step.
 template <int dim>
 class FacetSearch {
  public:
@@ -21,6 +23,10 @@ class FacetSearch {
   /// @param diameter  diameter of the largest contact sphere [m]
   void begin_step(std::span<const Simplex<dim>> simplices, std::span<const Vector<dim>> vertices,
                   double diameter);
+  /// A box around the bounding spheres of all simplices of members that act.
+  Eigen::AlignedBox<double, dim> box();
+  /// Find the bounds and make the lists that the functions below have.
+  void make_ready();
   /// The accepted place of a member has changed; a vertex moved by up to this [m].
   void add_motion(std::size_t member, double path);
   /// Forget bounds and lists: vertices are those of another state.
@@ -52,7 +58,8 @@ class FacetSearch {
     std::int32_t first = 0, count = 0;
     bool dropped = false;
     bool bounds_known = false, has_lattice = false;
-    double size = 0;  // of its largest simplex [m]
+    double size = 0;                     // of its largest simplex [m]
+    Eigen::AlignedBox<double, dim> box;  // around its bounding spheres; empty: not known [m]
     FacetLattice<dim> lattice, far;
   };
   LatticeSurface<dim> surface_of(const Member& member) const {
@@ -60,6 +67,7 @@ class FacetSearch {
             std::span(bounds_).subspan(member.first, member.count)};
   }
   void find_bounds(Member& member);
+  void find_box(Member& member) const;
 
   std::vector<Member> members_;
   std::vector<SimplexBounds<dim>> bounds_;

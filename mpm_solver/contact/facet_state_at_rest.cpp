@@ -21,7 +21,7 @@ void FacetState<dim>::remember_contacts(const SoilAtRest<dim>& rest) {
     member.stored_slip = 0;
   }
   for (const Point& contact : parts_.points.all()) {
-    // Soil that is free of stress is in contact by rounding at most: its contact has not begun.
+    // Soil that is free of stress is in contact by rounding at most: its contact has not started.
     if (!rest.is_stressed[parts_.points.candidate(contact).body]) continue;
     const Remembered memory = memory_of(contact);
     Member& member = members_[contact.owner];

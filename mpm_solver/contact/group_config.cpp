@@ -7,15 +7,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "mpm_solver/contact/sticking.hpp"
 #include "mpm_solver/grid/group_fields.hpp"
 
 namespace gabion::mpm {
 
 namespace {
-
-// Coefficient of friction of pairs that stick, as of facets: the tangential traction goes to
-// nothing with the pressure.
-constexpr double sticking = 100;
 
 std::int32_t place_of(const std::vector<std::string>& names, const std::string& name) {
   const auto found = std::find(names.begin(), names.end(), name);
@@ -112,28 +109,28 @@ void read_pairs(ConfigReader& in, BodyGroups& groups) {
 KeyTable group_keys() {
   return {"contact_group",
           "Bodies that share the nodes of the grid, so that they stick to each other.",
-          {key::plain_name("Its own."),
-           key::texts("bodies", "Names of its bodies; a body is in one group.").not_empty()}};
+          {key::plain_name("Name of the group, unique."),
+           key::texts("bodies", "Names of its bodies; each body is in one group.").not_empty()}};
 }
 
 KeyTable pair_keys() {
   const GroupPair defaults;
   return {"contact_pair",
           "Contact between the bodies of two groups.",
-          {key::texts("groups", "Names of the two."),
+          {key::texts("groups", "Names of the two groups."),
            key::choice("mode", {"contact", "slip"},
                        "`contact`: pushes, never pulls, and sticks or slides by `friction`; "
                        "`slip`: pushes in normal direction only.")
                .or_else("contact"),
            key::number("friction", "",
-                       "Coefficient of friction; none: it sticks, with a coefficient of 100, so "
-                       "that nothing jumps where bodies part.")
+                       "Coefficient of friction; none: bodies stick, by a coefficient of 100, so "
+                       "that forces do not jump where they part.")
                .in(non_negative())
                .or_none()
                .when("mode", {"contact"}),
            key::number("penalty_factor", "",
-                       "Traction at a depth of one cell over the smaller P-wave modulus of the "
-                       "two bodies; the traction grows with the square of the depth.")
+                       "Traction at a penetration of one cell size, over the smaller P-wave "
+                       "modulus of the two bodies; it grows with the square of the penetration.")
                .in(positive())
                .or_else(defaults.penalty_factor),
            key::number("tangential_factor", "",
@@ -148,7 +145,7 @@ KeyTable contact_group_keys() {
   return {"contact_groups",
           "Bodies with nodes of their own, which meet by contact.",
           {key::objects("groups", group_keys(), "All bodies, in two or more groups.").not_empty(2),
-           key::objects("pairs", pair_keys(), "The contact of each two groups.").not_empty()}};
+           key::objects("pairs", pair_keys(), "Contact between each two groups.").not_empty()}};
 }
 
 BodyGroups read_body_groups(ConfigReader& in, const std::vector<std::string>& bodies) {

@@ -64,7 +64,7 @@ ContactLaw GroupContact<dim>::law_of(const ContactNode& contact) const {
   const GroupPair& pair = groups_.pairs[contact.node.pair];
   const double M = contact.node.modulus, h = cell_size_;
   return {.mode = pair.mode,
-          .friction = pair.friction,
+          .friction = pair.friction / strength_factor_,
           .penalty = pair.penalty_factor * M / (h * h),
           .tangential_penalty = pair.tangential_factor * M / h,
           .normal = NormalLaw::quadratic};
@@ -170,8 +170,8 @@ std::string GroupContact<dim>::text_of_overlap(const SoilSurface<dim>& soil,
   const GroupPair& pair = groups_.pairs[node.pair];
   const Vector<dim> x = soil.grid.node(node.place);
   return fmt::format(
-      "{}: bodies of \"{}\" and \"{}\" are {:.3g} m in each other near ({:.4g}) without having "
-      "touched before: they passed each other in one step; take smaller steps",
+      "{}: bodies of \"{}\" and \"{}\" overlap by {:.3g} m near ({:.4g}) without contact before: "
+      "they passed through each other in one step; take smaller steps",
       groups_.where, groups_.names[pair.first], groups_.names[pair.second], node.overlap,
       fmt::join(x.data(), x.data() + dim, ", "));
 }
@@ -184,9 +184,9 @@ std::string GroupContact<dim>::text_of_corner(const SoilSurface<dim>& soil,
   const GroupPair& pair = groups_.pairs[node.pair];
   const Vector<dim> x = soil.grid.node(node.place);
   return fmt::format(
-      "{}: bodies of \"{}\" and \"{}\" meet in a re-entrant corner near ({:.4g}): one node has one "
-      "normal, so that what slides into the corner may stop short of it or be lifted; give the "
-      "sides of the corner groups of their own",
+      "{}: bodies of \"{}\" and \"{}\" meet in a re-entrant corner near ({:.4g}): a node has one "
+      "normal only, so that soil that slides into the corner may stop short of it or be lifted; "
+      "give each face of the corner a group of its own",
       groups_.where, groups_.names[pair.first], groups_.names[pair.second],
       fmt::join(x.data(), x.data() + dim, ", "));
 }
@@ -224,6 +224,7 @@ void GroupContact<dim>::begin_step(const SoilSurface<dim>& soil) {
   comm_ = soil.comm;
   force_weight_ = soil.step_force_weight;
   cell_size_ = soil.cell_size;
+  strength_factor_ = soil.strength_factor;
   has_substeps_ = false;
   contacts_.clear();
   memory_ = own_.of_all(comm_);

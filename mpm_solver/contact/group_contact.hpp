@@ -124,7 +124,7 @@ class GroupContact final : public WholeContact<dim>, public ContactSubsteps<dim>
   GroupMemory<dim> memory_;  // own_ of all ranks, together
   std::vector<ContactNode> contacts_;
   std::vector<LeftForce> left_;
-  double force_weight_ = 1, cell_size_ = 0;
+  double force_weight_ = 1, cell_size_ = 0, strength_factor_ = 1;
   bool has_substeps_ = false;
   double normal_work_ = 0, tangential_work_ = 0;  // of the bodies on the contact in substeps [J]
   std::vector<Vector<dim>> resultants_;           // of the pairs, means over the substeps [N]

@@ -47,7 +47,13 @@ class JointSurface {
   }
 
   /// @param sphere  diameter of the largest contact sphere [m]
-  void begin_step(double sphere) { search_.begin_step(simplices_, start_, sphere); }
+  /// @returns FacetSearch::box
+  Eigen::AlignedBox<double, dim> begin_step(double sphere) {
+    search_.begin_step(simplices_, start_, sphere);
+    return search_.box();
+  }
+  /// FacetSearch::make_ready. @pre begin_step was called
+  void make_ready() { search_.make_ready(); }
   /// Set the displacement, see Contact::set_displacement.
   void set_displacement(std::span<const double> displacement, std::size_t member);
   /// Move to a share of the step, see ContactSubsteps::set_share.

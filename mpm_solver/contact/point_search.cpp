@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
-#include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/contact/soil_extent.hpp"
 #include "mpm_solver/grid/fastest_about.hpp"
 
 namespace gabion::mpm {
@@ -29,11 +30,20 @@ constexpr double far_ways = 2;
 // Distances within this share of a limit may be on either side of it by rounding.
 constexpr double rounding = 1e-9;
 
-template <int dim>
-double largest_norm(const std::vector<Vector<dim>>& values) {
-  double largest = 0;
-  for (const auto& v : values) largest = std::max(largest, v.norm());
-  return largest;
+// The nodes of watched groups, ascending; none where they may be more than half of all nodes.
+template <int dim, class WatchedGroups>
+std::vector<std::int32_t> nodes_of_few(const SoilSurface<dim>& soil, const WatchedGroups& watched) {
+  std::vector<std::int32_t> nodes;
+  for (const auto& each : watched) {
+    const CellGroup& group = soil.weights.groups[each.group];
+    const auto first = soil.nodes.of_groups.begin() + group.first_node;
+    nodes.insert(nodes.end(), first, first + group.num_nodes);
+    if (2 * std::ssize(nodes) > soil.nodes.size()) return {};
+  }
+  std::ranges::sort(nodes);
+  const auto rest = std::ranges::unique(nodes);
+  nodes.erase(rest.begin(), rest.end());
+  return nodes;
 }
 
 }  // namespace
@@ -45,34 +55,27 @@ void PointSearch<dim>::begin_step(const SoilSurface<dim>& soil, double deepest) 
   bool acts = false;
   for (std::int32_t m = 0; m < surface_.num_members(); ++m) acts |= !surface_.member(m).dropped;
   if (!acts) return;
-  double all[] = {std::max(largest_norm<dim>(soil.points.v), largest_norm<dim>(soil.nodes.v)), 0};
-  for (std::int32_t p = 0; p < soil.points.size(); ++p) {
-    all[1] = std::max(all[1], soil.points.V0[p] * soil.points.J[p]);
-  }
-  max_over_ranks(soil.comm, std::span<double>(all));
-  const auto [fastest, widest] = all;
+  if (!soil_->extent) soil_->extent = std::make_shared<SoilExtent<dim>>(soil);
+  const double widest = soil_->extent->widest();
   double watched = 0;
   for (std::int32_t m = 0; m < surface_.num_members(); ++m) {
     limits_[m] = {.watched = watched_share * soil.cell_size + 2 * surface_.member(m).last_motion};
     watched = std::max(watched, limits_[m].watched);
   }
-  margin_ = watched + deepest + cube_side<dim>(widest);
-  surface_.begin_step(cube_side<dim>(widest));
-  watch_points(margin_ + 2 * soil.dt * fastest);
+  margin_ = watched + deepest + widest;
+  box_ = surface_.begin_step(widest);
+  watch_points(margin_ + 2 * soil.dt * soil_->extent->fastest());
 }
 
 template <int dim>
-void PointSearch<dim>::end_step() {
-  soil_.reset();
+void PointSearch<dim>::forget_watched() {
   watched_.clear();
   watched_groups_.clear();
+  num_known_ = 0;
   candidates_.clear();
   N_.clear();
   grad_N_.clear();
   nodes_.clear();
-  facing_.clear();
-  around_.clear();
-  du_.clear();
 }
 
 template <int dim>
@@ -81,24 +84,42 @@ double PointSearch<dim>::allowed_motion(std::size_t member) const {
   return own.dropped ? infinity : limits_[member].watched - own.motion;
 }
 
+// Watch the groups of points near the surface, and what the memory knows: others face nothing.
 // @param margin  places farther from all points than this are out of reach [m]
 template <int dim>
 void PointSearch<dim>::watch_points(double margin) {
+  farthest_ = margin;
   memory_.make_index();
+  const Vector<dim> around = Vector<dim>::Constant(margin);
+  auto groups = soil_->extent->groups_in({box_.min() - around, box_.max() + around});
+  if (!groups.empty()) watch_groups(groups, margin);
+  if (num_known_ < memory_.num_known()) {
+    forget_watched();
+    groups.resize(soil_->weights.groups.size());
+    std::iota(groups.begin(), groups.end(), 0);
+    watch_groups(groups, margin);
+  }
+  du_.keep_at(nodes_of_few(*soil_, watched_groups_));
+}
+
+// @param groups  numbers, ascending
+template <int dim>
+void PointSearch<dim>::watch_groups(std::span<const std::int32_t> groups, double margin) {
+  surface_.make_ready();
   const SoilSurface<dim>& soil = *soil_;
-  const auto& groups = soil.weights.groups;
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    const CellGroup& group = groups[g];
+  for (const std::int32_t g : groups) {
+    const CellGroup& group = soil.weights.groups[g];
     const auto first = static_cast<std::int32_t>(watched_.size());
     for (std::int32_t e = group.first; e < group.last; ++e) {
       Watched point = watched(e);
+      if (point.memory || point.offset) ++num_known_;
       const bool deforms = soil.elastic[group.body] != 0;
       if (deforms && !point.memory && !is_near(point.x, margin)) continue;
       if (deforms || point.memory) complete(point, group);
       mark_touching(point, group);
       watched_.push_back(point);
     }
-    add_group(static_cast<std::int32_t>(g), first);
+    add_group(g, first);
   }
 }
 
@@ -169,7 +190,10 @@ typename PointSearch<dim>::Candidate PointSearch<dim>::candidate_of(const Watche
   c.memory = point.memory;
   c.took_weight = took_weight(c.memory, soil.takes_weight);
   if (c.took_weight) c.weight = soil.weights_of[group.body];
-  if (!soil.pore_pressures.empty()) c.pore_pressure = soil.pore_pressures[p];
+  if (!soil.pore_pressures.empty()) {
+    c.pore_pressure = soil.pore_pressures[p];
+    c.grain_stress = soil.grain_stresses[p];
+  }
   c.reaches_far = c.deforms || soil.grid.basis == Basis::bspline;
   c.margin = margin_ + 2 * soil_->dt *
                            fastest_about(soil.points, soil.weights, soil.nodes, group, point.entry);
@@ -240,10 +264,14 @@ void PointSearch<dim>::mark_touching(const Watched& point, const CellGroup& grou
 template <int dim>
 void PointSearch<dim>::complete_near(double distance) {
   const double margin = std::max(margin_, distance);
+  if (margin > farthest_) {
+    forget_watched();
+    watch_points(margin);
+  }
   for (WatchedGroup& watched : watched_groups_) {
     const CellGroup& group = soil_->weights.groups[watched.group];
     for (std::int32_t k = watched.first; k < watched.last; ++k) {
-      if (std::isinf(margin) || is_near(watched_[k].x, margin)) complete(watched_[k], group);
+      if (is_near(watched_[k].x, margin)) complete(watched_[k], group);
     }
     watched.reach = infinity;
   }

@@ -7,6 +7,7 @@
 
 #include "mpm_solver/contact/contact_memory.hpp"
 #include "mpm_solver/contact/joint_surface.hpp"
+#include "mpm_solver/contact/kept_motions.hpp"
 #include "mpm_solver/contact/soil_surface.hpp"
 #include "mpm_solver/grid/surface_values.hpp"
 
@@ -38,8 +39,9 @@ struct ContactCandidate {
   bool took_weight = false;  ///< contact began in a step in which soil took its weight
   double weight = 0;         ///< SoilSurface::weights_of, of its body [Pa]
   double pore_pressure = 0;  ///< SoilSurface::pore_pressures [Pa]
-  bool deforms = false;      ///< the sphere is strained like the soil; else it is rigid
-  double distance = 0;       ///< to the nearest facet at the start, 0 behind one [m]
+  Symmetric<dim> grain_stress = Symmetric<dim>::Zero();  ///< SoilSurface::grain_stresses [Pa]
+  bool deforms = false;  ///< the sphere is strained like the soil; else it is rigid
+  double distance = 0;   ///< to the nearest facet at the start, 0 behind one [m]
   std::int32_t first_value = 0, num_values = 0;   ///< of the basis functions
   std::int32_t first_facing = 0, num_facing = 0;  ///< of what it faces
   /// Simplices that the point faces around a place, complete up to a distance [m]; 0: it is not
@@ -57,6 +59,12 @@ struct ContactCandidate {
 
   double radius(const Vector<dim>& n) const { return (shape * n).norm(); }
   double mean_radius() const { return shape.norm() / std::sqrt(double{dim}); }
+};
+
+/// A box of the displacements of some nodes [m].
+template <int dim>
+struct NodalBox {
+  Vector<dim> middle, half;
 };
 
 /// Search for the places of a surface that the material points of this rank may meet in a step.
@@ -110,7 +118,8 @@ class PointSearch {
   /// Places where the spheres stand off from the surface at the end of the step, for rigid spheres,
   /// which find() searches only as far as they may come into contact.
   void find_opened(const Take& take);
-  std::span<const double> du() const { return du_; }  ///< of the last find()
+  /// Displacements of the candidate's nodes in the last find() [m].
+  void motions_of_nodes(const Candidate& c, std::vector<Vector<dim>>& motions) const;
 
   // Soil at rest when the run begins.
 
@@ -142,10 +151,6 @@ class PointSearch {
     double clearance = 0;  // no simplex is nearer to a point when the step begins [m]
     double reach = 0;      // largest of a point; infinite: each has to be looked at [m]
   };
-  /// A box of the displacements of some nodes [m].
-  struct NodalBox {
-    Vector<dim> middle, half;
-  };
   /// Simplex of a member that is nearest to a point, when the step begins.
   struct Near {
     std::int32_t owner = 0;
@@ -172,6 +177,8 @@ class PointSearch {
   };
 
   void watch_points(double margin);
+  void watch_groups(std::span<const std::int32_t> groups, double margin);
+  void forget_watched();
   Watched watched(std::int32_t entry) const;
   void add_group(std::int32_t group, std::int32_t first);
   bool is_near(const Vector<dim>& x, double margin);
@@ -188,16 +195,13 @@ class PointSearch {
   void drop_far_side(const Behind& behind, Facing& facing) const;
 
   Vector<dim> motion_of(std::int32_t entry, const CellGroup& group) const;
-  NodalBox box_of(const CellGroup& group, std::span<const double> du) const;
-  bool stays_away(const Watched& point, const CellGroup& group, const NodalBox& box) const;
-  bool stays_away(const WatchedGroup& watched, const NodalBox& box) const;
+  bool stays_away(const Watched& point, const CellGroup& group, const NodalBox<dim>& box) const;
+  bool stays_away(const WatchedGroup& watched, const NodalBox<dim>& box) const;
   void find_of(Candidate& c, std::span<const double> du);
   Place place_of(Candidate& c);
   bool look_in_front(Candidate& c, const FeatureReach& reach, double around);
   double list_around(Candidate& c, const FrontView<dim>& view, double needed);
   void find_features_of(Candidate& c, double reach);
-  double reach_of(const Candidate& c) const;
-  double touch_reach(const Candidate& c) const;
 
   JointSurface<dim>& surface_;
   ContactMemory<dim>& memory_;
@@ -205,7 +209,10 @@ class PointSearch {
 
   // the current step
   std::optional<SoilSurface<dim>> soil_;
-  double margin_ = 0;  // at any speed: places farther away are out of reach in the step [m]
+  double margin_ = 0;    // at any speed: places farther away are out of reach in the step [m]
+  double farthest_ = 0;  // places farther away are out of reach of the fastest point, too [m]
+  Eigen::AlignedBox<double, dim> box_;  // FacetSearch::box
+  std::int32_t num_known_ = 0;          // watched points that the memory knows
   std::vector<Watched> watched_;
   std::vector<WatchedGroup> watched_groups_;
   std::vector<Candidate> candidates_;  // the watched points that came near, as they did
@@ -214,7 +221,7 @@ class PointSearch {
   std::vector<std::int32_t> nodes_;  // active ones
   std::vector<FacingSimplex> facing_;
   std::vector<FacingSimplex> around_;  // of the candidates
-  std::vector<double> du_;
+  KeptMotions<dim> du_;
   std::vector<char> at_rest_;  // of each member, in the step
   std::vector<SurfaceFeature<dim>> features_;
   std::vector<KnownContact<dim>> known_;  // room for what a point was in contact with

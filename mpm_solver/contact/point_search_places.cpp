@@ -38,6 +38,41 @@ double largest_initial_penetration(const RememberedContacts<dim>* contacts) {
   return most;
 }
 
+template <int dim>
+NodalBox<dim> box_of(const SoilSurface<dim>& soil, const CellGroup& group,
+                     std::span<const double> du) {
+  const auto list = soil.weights.nodes_of(group);
+  const auto nodes = std::span(soil.nodes.of_groups).subspan(list.first, list.size());
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Vector<dim> low = Vector<dim>::Constant(infinity), high = -low;
+  for (const std::int32_t node : nodes) {
+    const Eigen::Map<const Vector<dim>> du_i(du.data() + std::ptrdiff_t{node} * dim);
+    low = low.cwiseMin(du_i);
+    high = high.cwiseMax(du_i);
+  }
+  return {.middle = 0.5 * (low + high), .half = 0.5 * (high - low)};
+}
+
+// Distance from the centre of its sphere, at the end of its displacement path, within which a
+// surface acts on a point: the surface of the sphere moves against the centre by no more than its
+// nodes, or its strain, do.
+template <int dim>
+double reach_of(const ContactCandidate<dim>& c) {
+  const double against_centre = std::max(c.H.norm() * c.shape.norm(), c.spread);
+  return c.shape.norm() + against_centre + c.offset.norm() +
+         largest_initial_penetration<dim>(c.memory);
+}
+
+// Largest distance of a contact point, if the sphere is rigid: the plane of a simplex pushes a
+// little beyond its end (find_features).
+template <int dim>
+double touch_reach(const ContactCandidate<dim>& c) {
+  const double size = c.shape.norm() + c.offset.norm(), R = c.mean_radius();
+  const double height = R + c.spread + 2 * c.H.norm() * size + c.offset.norm() +
+                        largest_initial_penetration<dim>(c.memory);
+  return (1 + rounding) * std::hypot(height, sights::fading_share * R);
+}
+
 }  // namespace
 
 template <int dim>
@@ -61,15 +96,32 @@ void PointSearch<dim>::scatter(const Candidate& c, const double* w, const Vector
 }
 
 template <int dim>
+void PointSearch<dim>::motions_of_nodes(const Candidate& c,
+                                        std::vector<Vector<dim>>& motions) const {
+  motions.clear();
+  for (const std::int32_t node : nodes_of(c)) motions.push_back(du_.at(node));
+}
+
+template <int dim>
+void PointSearch<dim>::end_step() {
+  soil_.reset();
+  forget_watched();
+  facing_.clear();
+  around_.clear();
+  du_.clear();
+}
+
+template <int dim>
 void PointSearch<dim>::find(std::span<const double> du, const Take& take) {
-  du_.assign(du.begin(), du.end());
+  if (watched_groups_.empty()) return;
+  du_.set(du);
   at_rest_.clear();
   for (std::int32_t m = 0; m < surface_.num_members(); ++m) {
     at_rest_.push_back(surface_.member(m).motion == 0 ? 1 : 0);
   }
   for (const WatchedGroup& watched : watched_groups_) {
     const CellGroup& group = soil_->weights.groups[watched.group];
-    const NodalBox box = box_of(group, du);
+    const NodalBox<dim> box = box_of(*soil_, group, du);
     if (stays_away(watched, box)) continue;
     for (std::int32_t k = watched.first; k < watched.last; ++k) {
       Watched& point = watched_[k];
@@ -80,27 +132,12 @@ void PointSearch<dim>::find(std::span<const double> du, const Take& take) {
   }
 }
 
-template <int dim>
-typename PointSearch<dim>::NodalBox PointSearch<dim>::box_of(const CellGroup& group,
-                                                             std::span<const double> du) const {
-  const auto list = soil_->weights.nodes_of(group);
-  const auto nodes = std::span(soil_->nodes.of_groups).subspan(list.first, list.size());
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Vector<dim> low = Vector<dim>::Constant(infinity), high = -low;
-  for (const std::int32_t node : nodes) {
-    const Eigen::Map<const Vector<dim>> du_i(du.data() + std::ptrdiff_t{node} * dim);
-    low = low.cwiseMin(du_i);
-    high = high.cwiseMax(du_i);
-  }
-  return {.middle = 0.5 * (low + high), .half = 0.5 * (high - low)};
-}
-
 // Whether find_features would surely find nothing: the point had no contact when the step began,
 // and at its end no simplex is in reach, nor one that it may have come behind (front_reach).
 // @param box  of the displacements of its nodes
 template <int dim>
 bool PointSearch<dim>::stays_away(const Watched& point, const CellGroup& group,
-                                  const NodalBox& box) const {
+                                  const NodalBox<dim>& box) const {
   if (point.candidate >= 0) {
     const Candidate& c = candidates_[point.candidate];
     if (c.memory || c.deforms) return false;
@@ -119,7 +156,7 @@ bool PointSearch<dim>::stays_away(const Watched& point, const CellGroup& group,
 
 // stays_away() for all points of a group.
 template <int dim>
-bool PointSearch<dim>::stays_away(const WatchedGroup& watched, const NodalBox& box) const {
+bool PointSearch<dim>::stays_away(const WatchedGroup& watched, const NodalBox<dim>& box) const {
   const double spread = box.half.norm();
   const double path = box.middle.norm() + spread + surface_.motion();
   const double nearest = watched.clearance - path, behind = surface_.motion() > 0 ? 2 * path : path;
@@ -157,26 +194,6 @@ void PointSearch<dim>::find_of(Candidate& c, std::span<const double> du) {
   const double shorter = c.reaches_far ? reach : std::min(reach, touch_reach(c));
   find_features_of(c, shorter);
   c.found = !features_.empty();
-}
-
-// Distance from the centre of its sphere, at the end of its displacement path, within which a
-// surface acts on a point: the surface of the sphere moves against the centre by no more than its
-// nodes, or its strain, do.
-template <int dim>
-double PointSearch<dim>::reach_of(const Candidate& c) const {
-  const double against_centre = std::max(c.H.norm() * c.shape.norm(), c.spread);
-  return c.shape.norm() + against_centre + c.offset.norm() +
-         largest_initial_penetration<dim>(c.memory);
-}
-
-// Largest distance of a contact point, if the sphere is rigid: the plane of a simplex pushes a
-// little beyond its end (find_features).
-template <int dim>
-double PointSearch<dim>::touch_reach(const Candidate& c) const {
-  const double size = c.shape.norm() + c.offset.norm(), R = c.mean_radius();
-  const double height = R + c.spread + 2 * c.H.norm() * size + c.offset.norm() +
-                        largest_initial_penetration<dim>(c.memory);
-  return (1 + rounding) * std::hypot(height, sights::fading_share * R);
 }
 
 template <int dim>
@@ -286,8 +303,7 @@ Vector<dim> PointSearch<dim>::motion_of(std::int32_t entry, const CellGroup& gro
   const std::uint8_t* local = weights.local_of(entry);
   const std::int32_t first = weights.nodes_of(group).first;
   for (int i = 0; i < weights.num_nodes(entry); ++i) {
-    const std::ptrdiff_t node = soil_->nodes.of_groups[first + local[i]];
-    motion += N[i] * Eigen::Map<const Vector<dim>>(du_.data() + node * dim);
+    motion += N[i] * du_.at(soil_->nodes.of_groups[first + local[i]]);
   }
   return motion;
 }

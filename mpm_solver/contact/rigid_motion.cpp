@@ -41,11 +41,12 @@ template <int dim>
 void read_table(ConfigReader& in, RigidMotion<dim>& motion) {
   const auto rows = in.rows("table", dim + 1);
   for (const auto& row : rows) {
-    const double last = motion.times.empty() ? 0 : motion.times.back();
-    if (motion.times.empty() ? row[0] != 0 : row[0] <= last) {
-      in.fail("table", fmt::format("found the time {} s, allowed: times that start with 0 and "
-                                   "ascend",
-                                   row[0]));
+    const bool first = motion.times.empty();
+    if (first ? row[0] != 0 : !(row[0] > motion.times.back())) {
+      const std::string after = first ? "" : fmt::format(" after {}", motion.times.back());
+      in.fail(fmt::format("table/{}", motion.times.size()),
+              fmt::format("found time {}{}, allowed: times that start with 0 and ascend", row[0],
+                          after));
     }
     motion.times.push_back(row[0]);
     motion.places.push_back(Eigen::Map<const Vector<dim>>(row.data() + 1));
@@ -71,10 +72,11 @@ void read_rotation(ConfigReader in, RigidMotion<dim>& motion) {
 
 KeyTable rotation_keys() {
   return {"rotation",
-          "A turn about a centre that goes with the translation.",
+          "Rotation about a centre that moves with the translation.",
           {key::vector("centre", "m", "Centre at time 0."),
            key::number("rate", "rad/s",
-                       "Angular velocity, in 3D by the right hand, in 2D from x to y."),
+                       "Angular velocity, in 3D by the right-hand rule, in 2D positive from x to "
+                       "y."),
            key::vector("axis", "", "Direction of the axis; its length does not count.")
                .wide(3, 3)
                .only("in 3D")}};
@@ -86,7 +88,7 @@ KeyTable rigid_motion_keys() {
   return {
       "rigid_motion",
       "Given motion of a rigid surface.",
-      {key::vector("velocity", "m/s", "The translation is this times t.")
+      {key::vector("velocity", "m/s", "Constant velocity: the translation is this times t.")
            .or_else(0)
            .without("table"),
        key::rows("table", "s, m",
@@ -95,7 +97,8 @@ KeyTable rigid_motion_keys() {
            .wide(3, 4)
            .not_empty()
            .or_none(),
-       key::object("rotation", rotation_keys(), "A turn besides the translation.").or_none()}};
+       key::object("rotation", rotation_keys(), "Rotation in addition to the translation.")
+           .or_none()}};
 }
 
 template <int dim>

@@ -18,7 +18,7 @@ inline constexpr double same_distance = 1e-9;
 /// surface bulge.
 inline constexpr double allowed_overlap = 0.05;
 
-/// Which side of a surface a place is on.
+/// Side of a surface on which a place lies.
 struct SurfaceSide {
   double distance = std::numeric_limits<double>::infinity();  ///< [m]
   double height = 0;                                          ///< above the nearest simplex [m]

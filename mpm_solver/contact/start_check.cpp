@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
@@ -21,6 +22,9 @@ namespace {
 
 // Soil within this many cells of a surface is near it.
 constexpr double near_cells = 2;
+
+// More boulders than this share one line of the log.
+constexpr std::ptrdiff_t most_lines = 10;
 
 // Relative elongation that facets of a cell's length may have where a structure begins displaced.
 constexpr double strain_at_start = 1e-3;
@@ -128,7 +132,7 @@ void refuse(const ContactSettings<dim>& settings, const Verdict<dim>& found) {
       settings.where, near_cells, settings.name, found.near_behind);
   require<ConfigError>(found.inside == 0,
                        "{}: found {} material points inside the structure or too deep in the "
-                       "surface of \"{}\", {}; allowed at the start: soil that touches it, or lies "
+                       "surface of \"{}\", {}; allowed at the start: soil in contact with it, or "
                        "in it by {} of a point's radius with \"method\": \"facets\"",
                        settings.where, found.inside, settings.name, found.deepest, allowed_overlap);
 }
@@ -163,6 +167,30 @@ double longest_edge(const ContactSurface<dim>& surface, const std::vector<Vector
   return longest;
 }
 
+// @param gap  infinite: no soil is in front of it [m]
+void log_gap(const std::string& name, double gap, double cell_size) {
+  if (std::isfinite(gap)) {
+    log::info("{}: smallest gap to the soil {:.3g} m, {:.3g} cells", name, gap, gap / cell_size);
+  } else {
+    log::info("{}: no soil in front of it", name);
+  }
+}
+
+// @param gaps  of all boulders, by their names [m]
+void log_gaps(const std::vector<std::pair<std::string, double>>& gaps, double cell_size) {
+  if (gaps.empty()) return;
+  const auto& [name, least] =
+      *std::ranges::min_element(gaps, {}, [](const auto& g) { return g.second; });
+  log_gap(fmt::format("{} boulders, nearest \"{}\"", gaps.size(), name), least, cell_size);
+}
+
+template <int dim>
+Eigen::AlignedBox<double, dim> box_around(const std::vector<Vector<dim>>& vertices) {
+  Eigen::AlignedBox<double, dim> box;
+  for (const Vector<dim>& x : vertices) box.extend(x);
+  return box;
+}
+
 }  // namespace
 
 template <int dim>
@@ -190,12 +218,20 @@ std::vector<SoilAtStart<dim>> soil_at_start(const std::vector<StartSurface<dim>>
   const double near_distance = near_cells * cell_size;
   const double reach = std::max(near_distance, largest_size(points));
   std::vector<SidedSurface<dim>> sided;
-  for (const auto& surface : surfaces)
+  std::vector<Eigen::AlignedBox<double, dim>> boxes;  // soil elsewhere does not meet a boulder
+  for (const auto& surface : surfaces) {
     sided.emplace_back(surface.settings.surface, surface.vertices, reach);
+    boxes.push_back(box_around<dim>(surface.vertices));
+  }
+  const auto is_apart = [&](std::size_t k, const Vector<dim>& x) {
+    return surfaces[k].is_boulder && boxes[k].squaredExteriorDistance(x) > reach * reach;
+  };
   std::vector<SoilAtStart<dim>> found(surfaces.size());
   std::vector<SurfaceSide> sides(surfaces.size());
   for (std::int32_t p = 0; p < points.size(); ++p) {
-    for (std::size_t k = 0; k < sided.size(); ++k) sides[k] = sided[k].side(points.x[p]);
+    for (std::size_t k = 0; k < sided.size(); ++k) {
+      sides[k] = is_apart(k, points.x[p]) ? SurfaceSide{} : sided[k].side(points.x[p]);
+    }
     const int owner = owner_of(sides);
     const StartSphere<dim> sphere = start_sphere(points, p);
     for (std::size_t k = 0; k < sided.size(); ++k) {
@@ -211,11 +247,15 @@ template <int dim>
 double smallest_gap(MPI_Comm comm, const StartSurface<dim>& surface,
                     const MaterialPoints<dim>& points, double cell_size, double farthest) {
   const double widest = max_over_ranks(comm, largest_size(points));
+  const auto box = box_around<dim>(surface.vertices);
   for (double reach = near_cells * cell_size;; reach *= 4) {
     const SidedSurface<dim> sided(surface.settings.surface, surface.vertices, reach + widest);
     double gap = std::numeric_limits<double>::infinity();
     for (std::int32_t p = 0; p < points.size(); ++p) {
-      const SurfaceSide side = sided.side(points.x[p], gap + points.depth[p]);
+      const double within = gap + points.depth[p];
+      if (box.squaredExteriorDistance(points.x[p]) > (1 + same_distance) * within * within)
+        continue;
+      const SurfaceSide side = sided.side(points.x[p], within);
       if (side.known() && side.in_front()) gap = std::min(gap, side.distance - points.depth[p]);
     }
     gap = -max_over_ranks(comm, -gap);
@@ -256,8 +296,7 @@ template <int dim>
 std::optional<std::string> outside_grid(const StartSurface<dim>& surface,
                                         const Eigen::AlignedBox<double, dim>& grid,
                                         double cell_size) {
-  Eigen::AlignedBox<double, dim> box;
-  for (const Vector<dim>& x : surface.vertices) box.extend(x);
+  const auto box = box_around<dim>(surface.vertices);
   if (box.squaredExteriorDistance(grid) <= cell_size * cell_size) return std::nullopt;
   const auto text = [](const Eigen::AlignedBox<double, dim>& of) {
     return fmt::format("({:.6g}) to ({:.6g})", fmt::join(of.min(), ", "),
@@ -265,7 +304,7 @@ std::optional<std::string> outside_grid(const StartSurface<dim>& surface,
   };
   return fmt::format(
       "{}: found \"{}\" from {}, wholly outside the background grid, which reaches from {}: soil "
-      "cannot meet it{}",
+      "cannot reach it{}",
       surface.settings.where, surface.settings.name, text(box), text(grid),
       surface.moves ? " unless its motion brings it in"
                     : "; allowed: a surface of which a part is in the grid or within a cell of it, "
@@ -282,20 +321,23 @@ void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
     if (problem) log::warn("{}", *problem);
   }
   const auto found = soil_at_start(surfaces, points, cell_size);
+  const bool together =
+      std::ranges::count_if(surfaces, &StartSurface<dim>::is_boulder) > most_lines;
+  std::vector<std::pair<std::string, double>> gaps;  // of boulders that share a line
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
     const ContactSettings<dim>& settings = surfaces[k].settings;
     refuse<dim>(settings, verdict_of<dim>(comm, found[k]));
     const double gap =
         smallest_gap<dim>(comm, surfaces[k], points, cell_size, grid.diagonal().norm());
-    if (std::isfinite(gap)) {
-      log::info("{}: smallest gap to the soil {:.3g} m, {:.3g} cells", settings.name, gap,
-                gap / cell_size);
+    if (surfaces[k].is_boulder && together) {
+      gaps.emplace_back(settings.name, gap);
     } else {
-      log::info("{}: no soil in front of it", settings.name);
+      log_gap(settings.name, gap, cell_size);
     }
     if (surfaces[k].is_boulder) continue;
     if (const auto warning = coarse_surface<dim>(surfaces[k], cell_size)) log::warn("{}", *warning);
   }
+  log_gaps(gaps, cell_size);
 }
 
 template struct SoilAtStart<2>;

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "common/mechanics/mesh/cell_groups.hpp"
+#include "common/mechanics/mesh/surface_mesh.hpp"
 #include "common/mechanics/mesh/triangle_surface.hpp"
 
 namespace gabion::mpm {
@@ -129,11 +130,11 @@ ContactSurface<3> surface_of_triangles(const Scene& scene, ConfigReader& in) {
 KeyTable surface_keys() {
   return {
       "surface",
-      "The soil's copy of a surface; normals point into the soil, no facet belongs to two "
-      "surfaces, or twice to one.",
+      "The soil's copy of a surface. Normals point into the soil; each facet belongs to one "
+      "surface only, and once.",
       {key::rows("polyline", "m",
-                 "Corners [x, y] in the order that has the soil to the right; no two in a row are "
-                 "equal.")
+                 "Corners [x, y], with the soil to the right of the line; no two successive ones "
+                 "are equal.")
            .wide(2, 2)
            .not_empty(2)
            .or_none()
@@ -145,13 +146,13 @@ KeyTable surface_keys() {
            .with("polyline"),
        key::text(
            "triangles",
-           "Surface of triangles, a .stl or .ply file, relative to the scene; vertices nearer "
-           "than 1e-6 of its size are one.")
+           "File of a surface of triangles, .stl or .ply, relative to the scene; vertices closer "
+           "than 1e-6 of its size become one.")
            .or_none()
            .only("in 3D"),
        key::choice("normals", {"file", "up"},
-                   "Side of the soil: `file`: by the order of the vertices; `up`: triangles that "
-                   "look down are turned, as terrain asks for.")
+                   "Side on which the soil lies. `file`: by the order of the vertices; `up`: "
+                   "triangles that look down are turned, as terrain needs.")
            .or_else("file")
            .with("triangles"),
        key::object("mesh", mesh_keys(), "Mesh of the structure.")
@@ -159,8 +160,8 @@ KeyTable surface_keys() {
            .without("triangles"),
        key::texts("groups", "Facet groups of that mesh.").without("polyline").without("triangles"),
        key::texts("behind",
-                  "Groups of its cells that may leave the structure, as the interface of the "
-                  "structure has them.")
+                  "Groups of cells that may fail and leave the structure, as the structure's "
+                  "interface names them.")
            .not_empty()
            .or_none()
            .without("polyline")
@@ -191,8 +192,8 @@ ContactSurface<dim> read_surface(const Scene& scene, ConfigReader in) {
               "allowed in 2D only; in 3D give \"triangles\", or \"mesh\" and \"groups\"");
     }
   } else {
-    const Mesh<dim> mesh = read_mesh<dim>(scene, in.object("mesh"));
     const std::vector<std::string> groups = in.texts("groups");
+    const Mesh<dim> mesh = read_surface_mesh<dim>(scene, in.object("mesh"), groups);
     surface = in.has("behind") ? surface_before_cells(mesh, groups, in.texts("behind"), in)
                                : surface_of_mesh(mesh, groups, in.where("groups"));
   }

@@ -14,7 +14,9 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "mpm_solver/contact/dropped_contact.hpp"
+#include "mpm_solver/contact/facet_contact.hpp"
 #include "mpm_solver/contact/group_contact.hpp"
+#include "mpm_solver/contact/soil_extent.hpp"
 
 namespace gabion::mpm {
 
@@ -22,6 +24,13 @@ namespace {
 
 // A rim that is nearer to a surface than this share of the cell size meets it.
 constexpr double seam_share = 0.02;
+
+template <int dim>
+bool any_by_facets(const Contacts<dim>& contacts) {
+  return std::ranges::any_of(contacts, [](const auto& contact) {
+    return dynamic_cast<const FacetContact<dim>*>(contact.get()) != nullptr;
+  });
+}
 
 }  // namespace
 
@@ -162,7 +171,9 @@ std::vector<std::int32_t> Surfaces<dim>::find_nodes(const SoilSurface<dim>& soil
 template <int dim>
 void Surfaces<dim>::begin_step(const SoilSurface<dim>& soil) {
   std::vector<std::int32_t> touching;
-  for (const auto& contact : contacts_) contact->begin_step(soil);
+  SoilSurface<dim> shared = soil;
+  if (any_by_facets<dim>(contacts_)) shared.extent = std::make_shared<SoilExtent<dim>>(soil);
+  for (const auto& contact : contacts_) contact->begin_step(shared);
   for (std::size_t k = 0; k < size(); ++k) {
     touching.push_back(contact_of(k).can_touch(member_of(k)) ? 1 : 0);
   }
@@ -231,7 +242,7 @@ void Surfaces<dim>::refuse_misses(double largest) const {
     const double allowed = contact_of(k).allowed_motion(member_of(k));
     if (max_over_ranks(comm_, largest > allowed ? 1 : 0) == 0) continue;
     throw ConvergenceError(
-        fmt::format("soil and \"{}\" move too far in one step to know where they touch",
+        fmt::format("soil and \"{}\" move too far in one step for the search of contacts",
                     settings(k).name),
         "contact");
   }
@@ -254,7 +265,8 @@ void Surfaces<dim>::report(StepReport& report) const {
   ContactCounts all;
   for (std::size_t k = 0; k < interfaces_.size(); ++k) {
     const ContactCounts own = counts(k);
-    report.interface_active |= touching_[k] || own.closed > 0;
+    const bool in_water = !pools_.empty() && dropped_[k] == 0;
+    report.interface_active |= touching_[k] || own.closed > 0 || in_water;
     all.closed += own.closed;
     all.sliding += own.sliding;
     all.penetration = std::max(all.penetration, own.penetration);

@@ -87,9 +87,9 @@ std::string text_of(const ContactSettings<dim>& a, const ContactSettings<dim>& b
                                 : fmt::format("the wall between \"{}\" and \"{}\"", a.name, b.name);
   return fmt::format(
       "{}: found soil on both sides of {}{}, which is {:.3g} m thick there, {:.3g} cells of {:.3g} "
-      "m: soil in cells that both sides share acts on itself through the structure, whose forces "
-      "are wrong; advised: cells of at most half the thickness, or nodes for each side, which need "
-      "the method \"facets\" on both faces and a grid that is a box",
+      "m: soil in cells that both sides share acts on itself through the structure, and the forces "
+      "on it are wrong; advised: cells of at most half the thickness, or nodes for each side, "
+      "which need the method \"facets\" on both faces and a grid that is a box",
       a.where, names, when, thickness, thickness / cell_size, cell_size);
 }
 

@@ -26,8 +26,8 @@ void warn_outside(const ConfigReader& in, const std::string& name,
   const auto& low = grid.min();
   const auto& high = grid.max();
   log::warn(
-      "{}: the gauge \"{}\" lies outside the background grid, from ({:.6g}) to ({:.6g}): no soil "
-      "ever comes to it, all of its columns stay zero",
+      "{}: the gauge \"{}\" lies outside the background grid, from ({:.6g}) to ({:.6g}): soil "
+      "never reaches it, and all of its columns stay zero",
       in.where("corners"), name, fmt::join(low, ", "), fmt::join(high, ", "));
 }
 
@@ -56,11 +56,12 @@ Gauge<dim> read_gauge(ConfigReader& in, const Eigen::AlignedBox<double, dim>& gr
 KeyTable gauge_keys() {
   return {"gauge",
           "A piece of a plane, at rest; the soil that passes through it is measured.",
-          {key::plain_name("Its own; columns of the tables start with it."),
+          {key::plain_name("Unique name; columns of the tables start with it."),
            key::rows("corners", "m",
-                     "2D: foot and top of a segment; 3D: both ends of the foot of a parallelogram, "
+                     "2D: foot and top of a segment. 3D: both ends of the foot of a parallelogram, "
                      "then the top above the first of them. Flow counts positive to the right of "
-                     "the line from foot to top, in 3D along foot line x that line.")
+                     "the line from foot to top, in 3D along the cross product of foot line and "
+                     "that line.")
                .wide(2, 3)
                .not_empty(2)}};
 }

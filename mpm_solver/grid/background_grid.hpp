@@ -17,7 +17,7 @@
 
 namespace gabion::mpm {
 
-/// Functions of the grid nodes that carry the points: linear on any mesh; on a BoxGrid also those
+/// Basis functions of the nodes that carry the points: linear on any mesh; on a BoxGrid also those
 /// of axis_basis.hpp.
 enum class Basis { linear, gimp, bspline };
 const char* basis_name(Basis basis);

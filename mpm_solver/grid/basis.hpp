@@ -32,7 +32,7 @@ struct GroupNodes : std::span<const std::int32_t> {
   std::int32_t first = 0;
 };
 
-/// Shape functions of the grid at the material points, taken at the accepted positions and kept
+/// Basis functions at the material points, taken at the accepted positions and kept
 /// through the step. Entries are sorted by body, (patch,) cell and point; entry e has the values
 /// starts[e] .. starts[e + 1], one for each node that acts on its point.
 template <int dim>

@@ -17,7 +17,7 @@ namespace gabion::mpm {
 /// Most groups of bodies, which are bits of a number.
 inline constexpr int most_groups = 32;
 
-/// Which groups of bodies weigh on each node of the grid, and the numbers that the node has for
+/// Groups of bodies that weigh on each node of the grid, and the numbers that the node has for
 /// them: the first group keeps the number n of the node, the k-th other one gets n + k num_places.
 /// A rank knows this for the nodes on which its own points weigh.
 template <int dim>

@@ -24,10 +24,21 @@ std::vector<double> mean_at_nodes(const MaterialPoints<dim>& points,
   return mean;
 }
 
-// damp_noise(). @tparam n  see EntryValues
+// Kirchhoff stresses of the points beyond the pressure of pools [Pa].
+template <int dim>
+std::vector<Symmetric<dim>> stresses_in_pools(const MaterialPoints<dim>& points,
+                                              std::span<const double> pool_pressures) {
+  std::vector<Symmetric<dim>> tau = points.tau;
+  for (std::size_t p = 0; p < tau.size(); ++p) {
+    tau[p].template head<3>().array() += points.J[p] * pool_pressures[p];
+  }
+  return tau;
+}
+
+// damp_noise() by the stresses tau of the points. @tparam n  see EntryValues
 template <int dim, int n>
 void damp(const PointWeights<dim>& weights, const GridNodes<dim>& nodes, const NoiseDamping& rate,
-          MaterialPoints<dim>& points) {
+          std::span<const Symmetric<dim>> tau, MaterialPoints<dim>& points) {
   const std::vector<double> v = mean_at_nodes<dim>(points, weights, nodes, points.v);
   std::vector<Vector<dim>> noise(points.v.size());
   GroupVectors<dim, n> mean;
@@ -35,7 +46,7 @@ void damp(const PointWeights<dim>& weights, const GridNodes<dim>& nodes, const N
     mean.gather(nodes, weights.nodes_of(group), v);
     for (std::int32_t e = group.first; e < group.last; ++e) {
       const std::int32_t p = weights.point[e];
-      const double c2 = points.tau[p].norm() * points.V0[p] / points.m[p];
+      const double c2 = tau[p].norm() * points.V0[p] / points.m[p];
       const double grad2 =
           mean.squared_gradient(weights, weights.constant_gradient ? group.first : e);
       noise[p] = rate.share(c2, grad2) * (points.v[p] - mean.at_point(weights, e));
@@ -64,7 +75,10 @@ double NoiseDamping::share(double c2, double grad2) const {
 template <int dim>
 void damp_noise(const PointWeights<dim>& weights, const GridNodes<dim>& nodes,
                 const NoiseDamping& rate, MaterialPoints<dim>& points) {
-  with_num_nodes(weights, [&]<int n>() { damp<dim, n>(weights, nodes, rate, points); });
+  std::vector<Symmetric<dim>> in_pools;
+  if (!rate.pool_pressures.empty()) in_pools = stresses_in_pools(points, rate.pool_pressures);
+  const std::span<const Symmetric<dim>> tau = in_pools.empty() ? points.tau : in_pools;
+  with_num_nodes(weights, [&]<int n>() { damp<dim, n>(weights, nodes, rate, tau, points); });
 }
 
 template void damp_noise<2>(const PointWeights<2>&, const GridNodes<2>&, const NoiseDamping&,

@@ -17,7 +17,7 @@ namespace {
 constexpr const char* axis_names[] = {"x", "y", "z"};
 
 std::vector<double> read_axis(const std::string& path, const Hdf5Reader& file, const char* name) {
-  std::vector<double> axis = file.reals(name);
+  std::vector<double> axis = file.numbers(name);
   require<ConfigError>(axis.size() >= 2 && std::isfinite(axis[0]),
                        "{}: dataset {}: found {} coordinates, allowed: at least 2, ascending", path,
                        name, axis.size());
@@ -65,7 +65,7 @@ BoxField<dim> read_box_field(const std::string& path) {
                          "each x, y{} in this order",
                          path, fmt::join(shape, ", "), fmt::join(expected, ", "),
                          dim == 3 ? " and z" : "");
-    field.values = file.reals("values");
+    field.values = file.numbers("values");
   } catch (const ConfigError&) {
     throw;
   } catch (const Error& error) {

@@ -22,7 +22,7 @@ struct BoxField {
 };
 
 /// Read an HDF5 file with the coordinates of the nodes in the datasets "x", "y" and in 3D "z", and
-/// "values" of the shape [x, y] or [x, y, z].
+/// "values" of the shape [x, y] or [x, y, z]; real numbers or integers.
 /// @throws ConfigError  names file and dataset
 template <int dim>
 BoxField<dim> read_box_field(const std::string& path);

@@ -51,8 +51,8 @@ Columns read_columns(ConfigReader& in, const std::string& key, const char* what)
 KeyTable correlation_keys() {
   return {
       "correlated_with",
-      "Another random key of the same object, with the same correlation lengths.",
-      {key::text("key", "Its name."),
+      "Another key of the same object with a random field of the same correlation lengths.",
+      {key::text("key", "Name of that key."),
        key::number("coefficient", "", "Correlation of the two normal fields.").in(inside(-1, 1))}};
 }
 
@@ -78,10 +78,12 @@ KeyTable random_keys() {
            .wide(2, 3)
            .or_none(),
        key::integer("seed",
-                    "Of the random numbers; names of body and key make fields of one seed "
-                    "independent.")
+                    "Seed of the random numbers. Fields with one seed are independent where body "
+                    "or key differ.")
            .in(at_least(0)),
-       key::object("correlated_with", correlation_keys(), "None: independent.").or_none()}};
+       key::object("correlated_with", correlation_keys(),
+                   "Field with which this one is correlated; none: it is independent.")
+           .or_none()}};
 }
 
 /// A random key that another one is correlated with.

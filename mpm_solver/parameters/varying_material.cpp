@@ -27,7 +27,7 @@ struct Fixed {
 };
 constexpr Fixed fixed[] = {
     {"density", "bodies of their own have other densities"},
-    {"poisson_ratio", "stress at rest and the cure of locking have one value a body"},
+    {"poisson_ratio", "initial stress and the remedy for locking use one value per body"},
     {"viscosity", "a fluid mixes"},
     {"sound_speed", "a fluid mixes"},
     {"compression_index", "the state of clay varies with its pressure already"},
@@ -50,18 +50,18 @@ const Key* find_key(const KeyTable& table, const std::string& name, KeyType type
 
 KeyTable layer_keys() {
   KeyTable table{"layer",
-                 "Soil below a surface, whose constants take the place of those above. A constant "
-                 "that it does not name stays.",
+                 "Soil below a surface. Its constants replace those of the soil above; a constant "
+                 "that it does not name stays the same.",
                  below_keys("Surface below which it lies.")};
   const KeyTable material = material_keys(material_laws);
   for (const std::string& name : may_vary) {
     Key number = *find_key(material, name, KeyType::number);
     number.conditions.clear();
     number.range = any_number();
-    number.sentence = "As in the material.";
+    number.sentence = "Value in this layer.";
     table.keys.push_back(number.or_none());
     table.keys.push_back(
-        key::object(name, value_source_keys(), "The same where it varies.").or_none());
+        key::object(name, value_source_keys(), "The same constant, varying in space.").or_none());
   }
   return table;
 }
@@ -133,7 +133,8 @@ KeyTable varying_material_keys(const std::vector<std::string>& laws) {
   const KeyTable numbers = table;
   for (const Key& number : numbers.keys) {
     if (number.type != KeyType::number || !varies(number.name)) continue;
-    Key source = key::object(number.name, value_source_keys(), "The same where it varies.");
+    Key source =
+        key::object(number.name, value_source_keys(), "The same constant, varying in space.");
     source.conditions = number.conditions;
     source.absence = number.absence == Absence::refused ? Absence::refused : Absence::none;
     table.keys.push_back(source);
@@ -141,8 +142,8 @@ KeyTable varying_material_keys(const std::vector<std::string>& laws) {
   table.keys.push_back(
       key::objects(
           "layers", layer_keys(),
-          "Layers from above to below: the last one whose surface lies above a point gives "
-          "its constants.")
+          "Layers from top to bottom. A point has the constants of the last layer whose surface "
+          "lies above it.")
           .or_none());
   return table;
 }
@@ -183,8 +184,9 @@ struct VaryingReader {
   }
 
   void read_layer(ConfigReader& item, const std::string& stream) {
-    typename VaryingMaterial<dim>::Layer layer{
-        .below = HeightSurface<dim>::read(item, place), .sources = {}, .where = item.where("below")};
+    typename VaryingMaterial<dim>::Layer layer{.below = HeightSurface<dim>::read(item, place),
+                                               .sources = {},
+                                               .where = item.where("below")};
     std::vector<std::string> numbers, objects;
     for (const std::string& name : may_vary) {
       if (item.has(name)) (item.is_object(name) ? objects : numbers).push_back(name);
@@ -277,8 +279,8 @@ struct VaryingReader {
     for (std::size_t k = 0; k < is_used.size(); ++k) {
       if (is_used[k] != 0) continue;
       log::warn(
-          "{}: no material point of \"{}\" has the constants of this layer; layers are given "
-          "from above to below, and the last one whose surface lies above a point counts",
+          "{}: no material point of \"{}\" has the constants of this layer; layers are given from "
+          "top to bottom, and the last one whose surface lies above a point counts",
           result.layers_[k].where, place.body);
     }
   }

@@ -17,7 +17,7 @@ namespace {
 constexpr double same_time = 1e-9;
 
 OutflowSide read_outflow(const ConfigReader& item, const std::string& group) {
-  for (const char* key : {"motion", "drained"}) {
+  for (const char* key : {"motion", "drained", "inflow"}) {
     if (item.has(key)) item.fail(key, "allowed only with a wall that holds soil");
   }
   return {group, item.where("group")};
@@ -44,6 +44,13 @@ void read_walls(ConfigReader& in, int dim, Phase& phase) {
     wall.fixed = condition == "fixed";
     wall.where = item.where("group");
     wall.drained = item.boolean("drained");
+    wall.inflow = item.number("inflow");
+    wall.where_inflow = item.where("inflow");
+    if (wall.drained && wall.inflow != 0) {
+      item.fail("inflow", fmt::format("found {:g} with \"drained\", whose pressure is given, "
+                                      "allowed: one of them",
+                                      wall.inflow));
+    }
     if (auto motion = item.optional_object("motion")) {
       wall.motion = read_wall_motion(*motion, dim);
     }
@@ -77,18 +84,27 @@ Key analysis_key() {
 KeyTable wall_keys() {
   return {
       "wall",
-      "A wall along facets of the grid; a group once. Where walls meet, fixed ones come first.",
+      "A wall along facets of the grid; each group has one wall at most. Where walls meet, `fixed` "
+      "prevails.",
       {key::text("group", "Facet group of the grid."),
        key::choice("condition", {"fixed", "slip", "outflow"},
-                   "`fixed` holds all components, `slip` the normal one, in tension too, with one "
-                   "mean normal a node where its group bends by less than 20 degrees; `outflow` "
-                   "holds nothing, and points that leave there are taken out."),
+                   "`fixed`: holds all components; `slip`: holds the normal component, in tension "
+                   "too; `outflow`: holds nothing, and points that leave there are removed. `slip` "
+                   "takes one mean normal per node where the group bends by less than 20 degrees."),
        key::object("motion", wall_motion_keys(), "Given motion; none: it is still.").or_none(),
        key::boolean("drained",
-                    "Whether pore water passes it: its pressure there is that of water at rest "
-                    "below the `water_table` of the body, 0 without one. Only with soil that has "
-                    "a `permeability`.")
+                    "Whether pore water drains through the wall: its pressure there is that of "
+                    "water at rest below the `water_table` of the body, 0 without one. Only with "
+                    "soil that has a `permeability`.")
            .or_else(false)
+           .when("condition", {"fixed", "slip"}),
+       key::number(
+           "inflow", "m/s",
+           "Volume of pore water that enters the soil through the wall, by time and by the "
+           "area of the wall that soil touches; negative: that is drawn out. Only with soil "
+           "that has a `permeability`, with `gimp` and in implicit steps.")
+           .in(between(-1, 1))
+           .or_else(0)
            .when("condition", {"fixed", "slip"})}};
 }
 
@@ -132,7 +148,7 @@ KeyTable scheme_keys() {
 }
 
 Key scheme_key() {
-  return key::object("time_integration", scheme_keys(), "Scheme where there is inertia.");
+  return key::object("time_integration", scheme_keys(), "Time integration of phases with inertia.");
 }
 
 void read_scheme(ConfigReader in, Phase& phase) {
@@ -155,7 +171,7 @@ Key or_as_before(Key key, const std::string& words) {
 KeyTable phase_keys() {
   return {
       "phase",
-      "A part of the run. What it does not name is as in the run.",
+      "A part of the run. Keys that it does not name are those of the run.",
       {key::number("until", "s", "End of the phase, after its start.")
            .in(positive())
            .only("in all phases but the last one, which lasts to the end"),
@@ -241,7 +257,7 @@ std::vector<Key> phases_keys() {
   return {analysis_key().or_else("dynamic"),
           scheme_key().or_empty().only("where a phase has inertia"),
           walls_key("Walls of the grid.").or_empty(),
-          gravity_ramp_key("Gravity that comes gradually; none: full from the start."),
+          gravity_ramp_key("Gravity that grows over time; none: full from the start."),
           key::objects("phases", phase_keys(), "Parts of the run, in the order of time.")
               .not_empty()
               .or_none()};

@@ -40,7 +40,7 @@ struct Phase {
   /// them; resolve_rigid_walls() fills it.
   std::optional<std::vector<std::string>> rigid_walls;
   LoadRamp gravity_ramp;
-  /// Not set: full strength. Only in quasi-static phases.
+  /// Search for the factor of safety, in quasi-static phases; not set: full strength.
   std::optional<StrengthReduction> strength_reduction;
 
   bool is_explicit() const { return dynamic && courant.has_value(); }

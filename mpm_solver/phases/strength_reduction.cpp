@@ -10,7 +10,8 @@ KeyTable strength_reduction_keys() {
   return {
       "strength_reduction",
       "Strengths divided by a factor F that grows by `increment` a step until no equilibrium "
-      "is found: c / F, tan(phi) / F, tan(psi) / F.",
+      "is found: c / F, tan(phi) / F, tan(psi) / F, and friction / F of rigid walls and between "
+      "groups of bodies.",
       {key::number("from", "", "F of the first step of the phase.")
            .in(positive())
            .or_else(defaults.from),
@@ -26,7 +27,7 @@ KeyTable strength_reduction_keys() {
        key::number(
            "max_displacement", "m",
            "Displacement since `from` beyond which a step counts as failed: about 1 % of the "
-           "height H of the slope, with a `young_modulus` of at least 5000 rho g H, which "
+           "height H of the slope. Give the soil a `young_modulus` of at least 5000 rho g H; it "
            "does not change the factor of safety.")
            .in(positive())}};
 }

@@ -8,18 +8,13 @@
 #include <cmath>
 #include <variant>
 
-#include "common/base/log.hpp"
 #include "common/base/require.hpp"
+#include "common/mechanics/materials/cam_clay_memory.hpp"
 #include "common/mechanics/materials/spectral.hpp"
-#include "common/mechanics/mesh/mesh_box.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/points/retention.hpp"
 
 namespace gabion::mpm {
-
-namespace {
-
-// The law has to return the stress for which the strains were computed, to this share.
-constexpr double same_stress = 1e-9;
 
 template <int dim>
 double shear_modulus(const MaterialLaw<dim>& law) {
@@ -32,33 +27,10 @@ double first_lame_constant(const MaterialLaw<dim>& law) {
   return M - 2 * shear_modulus(law);
 }
 
-template <int dim>
-double normally_consolidated(ConfigReader& in, const Body<dim>& body, double elastic) {
-  const Material<dim>& material = body.material;
-  if (!in.is_text("k0")) return in.number("k0");
-  if (in.choice("k0") == "elastic") return elastic;
-  const double angle = std::visit(
-      [](const auto& model) {
-        if constexpr (requires { model.friction_angle(); }) {
-          return model.friction_angle();
-        } else if constexpr (requires { model.parameters().friction_angle; }) {
-          return model.parameters().friction_angle;
-        } else {
-          return 0.0;
-        }
-      },
-      material.law);
-  if (std::ranges::find(body.varying, "friction_angle") != body.varying.end()) {
-    in.fail("k0",
-            "found \"jaky\" with a friction_angle that varies, allowed: a number, or \"elastic\"");
-  }
-  if (angle <= 0) {
-    in.fail("k0",
-            fmt::format("found \"jaky\" with the law {}, allowed: a law with a friction angle",
-                        material.law_name));
-  }
-  return 1 - std::sin(angle);
-}
+namespace {
+
+// The law has to return the stress for which the strains were computed, to this share.
+constexpr double same_stress = 1e-9;
 
 // Coefficients at rest that the law bears under the vertical stress -s, in words.
 template <int dim>
@@ -81,7 +53,7 @@ template <int dim>
 struct Geostatic {
   double s = 0;  // -tau_v of the skeleton [Pa]
   double J = 1;
-  double p = 0;        // of the pore water [Pa]
+  double p = 0;        // of the pore water, that the grains feel [Pa]
   double density = 0;  // over V0 [kg/m^3]
   double water = 0;    // content of the pores, 0: dry
   MaterialState<dim> state;
@@ -134,8 +106,7 @@ Geostatic<dim> clay_at_rest(const CamClayParameters& clay, const InitialStress& 
   result.J = std::exp(volumetric);
   const double before = stress.ocr * result.s, k0 = stress.k0_consolidated;
   const double P_before = clay.attraction + (1 + 2 * k0) / 3 * before;
-  const double shear = (1 - k0) * before / clay.critical_ratio;
-  result.internal = {P_before + shear * shear / P_before, mu};
+  result.internal = cam_clay_memory(clay, P, P_before, (1 - k0) * before);
   return result;
 }
 
@@ -163,9 +134,26 @@ Geostatic<dim> skeleton_at_rest(const MaterialLaw<dim>& law, const InitialStress
   return result;
 }
 
+/// Under water that flows.
 template <int dim>
 Geostatic<dim> geostatic(const InitialStress& stress, const BodyAtRest<dim>& at_rest,
-                         const MaterialLaw<dim>& law, double d) {
+                         const MaterialLaw<dim>& law, double d, const FlowingWater& flow) {
+  const Body<dim>& body = at_rest.body;
+  const PoreWater& water = *body.water;
+  const double borne = retention_at(water, flow.p).borne;
+  const double total = flow.on_surface - body.material.density * at_rest.gravity[dim - 1] * d;
+  auto soil = skeleton_at_rest<dim>(law, stress, total - borne);
+  soil.p = borne;
+  soil.water = water.content_at(flow.p, soil.J);
+  soil.density = water.dry_density(body.material.density) + soil.water * water.density;
+  return soil;
+}
+
+template <int dim>
+Geostatic<dim> geostatic(const InitialStress& stress, const BodyAtRest<dim>& at_rest,
+                         const MaterialLaw<dim>& law, double d,
+                         const FlowingWater* flow = nullptr) {
+  if (flow != nullptr) return geostatic(stress, at_rest, law, d, *flow);
   const Body<dim>& body = at_rest.body;
   auto soil = skeleton_at_rest<dim>(law, stress, load_on_skeleton(stress, at_rest, d));
   soil.density = body.material.density;
@@ -183,120 +171,6 @@ Geostatic<dim> geostatic(const InitialStress& stress, const BodyAtRest<dim>& at_
 }
 
 }  // namespace
-
-KeyTable initial_stress_keys() {
-  return {
-      "initial_stress",
-      "Geostatic stress below a level surface. Needs gravity against the last axis, present from "
-      "the start, a law other than neo_hookean, and balance: the soil may not yield.",
-      {key::number("k0", "", "Horizontal over vertical stress, normally consolidated.")
-           .in(non_negative()),
-       key::choice("k0", {"elastic", "jaky"},
-                   "`elastic`: nu / (1 - nu); `jaky`: 1 - sin(phi), with a law that has phi."),
-       key::number(
-           "surface", "m",
-           "Height of the surface; no point lies above it. Of a layer under layers of other "
-           "densities: the height up to which its own density would weigh as much as they "
-           "do."),
-       key::number("ocr", "",
-                   "Over-consolidation ratio; unloading is elastic: K0 = ocr k0 - (ocr - 1) nu / "
-                   "(1 - nu).")
-           .in(at_least(1))
-           .or_else(1),
-       key::number("water_table", "m",
-                   "Height of the water table, level; at most `surface`, or the level of "
-                   "`pools` over it. Below it the soil is "
-                   "saturated, with hydrostatic pressure and K0 of the effective stress; above it "
-                   "it is dry.")
-           .or_none()
-           .only("where the body has `water`, and then required"),
-       key::number("saturation_above", "",
-                   "Share of the pores above the water table whose water weighs, without pressure.")
-           .in({.low = 0, .high = 1, .high_open = true, .allowed = "a number in [0, 1)"})
-           .or_else(0)
-           .only("where the body has `water`"),
-       key::number("max_displacement", "",
-                   "Largest initial displacement that is accepted, the one that would balance the "
-                   "initial stress, over the mean cell size.")
-           .in(positive())
-           .or_else(InitialStress{}.max_displacement)}};
-}
-
-namespace {
-
-// Read the settings that only a body with pore water has.
-void read_water_table(ConfigReader& in, bool has_water, InitialStress& stress) {
-  for (const char* key : {"water_table", "saturation_above"}) {
-    if (!has_water && in.has(key)) {
-      in.fail(key, "found without pore water, allowed: only where the body has \"water\"");
-    }
-  }
-  if (!has_water) return;
-  stress.water_table = in.optional_number("water_table");
-  if (!stress.water_table) {
-    in.fail("water_table",
-            "found none, but the body has \"water\", allowed: the height of its water table");
-  }
-  stress.saturation_above = in.number("saturation_above");
-}
-
-}  // namespace
-
-template <int dim>
-InitialStress read_initial_stress(ConfigReader in, const Body<dim>& body) {
-  const Material<dim>& material = body.material;
-  if (std::holds_alternative<NeoHookean<dim>>(material.law)) {
-    in.fail("k0", fmt::format("found with the law {}, allowed: linear_elastic or a law with "
-                              "Hencky's elasticity",
-                              material.law_name));
-  }
-  InitialStress stress;
-  const double lambda = first_lame_constant(material.law), mu = shear_modulus(material.law);
-  const double elastic = lambda / (lambda + 2 * mu);
-  stress.where = in.where("k0");
-  stress.where_surface = in.where("surface");
-  stress.k0 = normally_consolidated(in, body, elastic);
-  stress.k0_consolidated = stress.k0;
-  stress.ocr = in.number("ocr");
-  stress.k0 = stress.ocr * stress.k0 - (stress.ocr - 1) * elastic;
-  stress.surface = in.number("surface");
-  stress.max_displacement = in.number("max_displacement");
-  read_water_table(in, body.water.has_value(), stress);
-  in.finish();
-  return stress;
-}
-
-// Refuse a body whose own surface lies under water without a pool that presses on it. The surface
-// of a layer under layers of other densities is not its own.
-template <int dim>
-void take_water_table(const ConfigReader& in, const Mesh<dim>& mesh, const InitialStress& stress,
-                      const PoolLevels& pools, Body<dim>& body) {
-  if (!stress.water_table) return;
-  const double table = *stress.water_table;
-  const auto box = box_around(mesh);
-  const double top = box.max()[dim - 1], bottom = box.min()[dim - 1];
-  const double rounding = 1e-9 * (top - bottom);
-  if (table > stress.surface && stress.surface <= top + rounding) {
-    if (pools.empty()) {
-      in.fail("water_table",
-              fmt::format("found {:g}, a pool over the surface of the body, {:g}; allowed: at most "
-                          "\"surface\", or with \"pools\"",
-                          table, stress.surface));
-    }
-    for (const double x : {box.min()[0], box.max()[0]}) {
-      if (std::abs(pools.level(x) - table) <= rounding) continue;
-      in.fail("water_table",
-              fmt::format("found {:g}, above the surface of the body, where the pool at x = {:g} "
-                          "begins with the level {:g}, allowed: that level",
-                          table, x, pools.level(x)));
-    }
-  }
-  if (table <= bottom) {
-    log::warn("{}: found {:g}, below all of the body, which begins at {:g}: it is dry",
-              in.where("water_table"), table, bottom);
-  }
-  body.water->table = table;
-}
 
 // Whether the law gives a stress in the state of a point.
 template <int dim>
@@ -324,7 +198,7 @@ bool bears(const Umat<dim>& law, const Geostatic<dim>& soil, StateVariables& var
 
 template <int dim>
 void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAtRest<dim>& at_rest,
-                        MaterialPoints<dim>& points) {
+                        MaterialPoints<dim>& points, std::span<const FlowingWater> flow) {
   const Body<dim>& body = at_rest.body;
   const Vector<dim>& gravity = at_rest.gravity;
   require<ConfigError>(
@@ -336,7 +210,7 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
        p < points.body_starts[at_rest.number + 1]; ++p) {
     const double d = stress.surface - points.x[p][dim - 1];
     const MaterialLaw<dim>& law = law_of<dim>(at_rest.laws, p, body.material.law);
-    const auto soil = geostatic<dim>(stress, at_rest, law, d);
+    const auto soil = geostatic<dim>(stress, at_rest, law, d, flow.empty() ? nullptr : &flow[p]);
     StressUpdate<dim> now;
     const auto* umat = std::get_if<Umat<dim>>(&law);
     const bool has_stress =
@@ -347,16 +221,22 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
       const std::string place =
           fmt::format("material point {} at ({:.4g})", points.id[p],
                       fmt::join(points.x[p].data(), points.x[p].data() + dim, ", "));
-      problem = d < 0
-                    ? fmt::format("{}: found {}, but {} lies above it", stress.where_surface,
-                                  stress.surface, place)
+      problem = d < 0 ? fmt::format("{}: found {}, but {} lies above it", stress.where_surface,
+                                    stress.surface, place)
+                : soil.s <= 0 && !flow.empty()
+                    ? fmt::format(
+                          "{}: found a steady flow that lifts {}: the weight above it is "
+                          "{:.4g} Pa less than the pressure of the water, allowed: a flow "
+                          "that leaves grains their weight, or a law that bears tension",
+                          stress.where_pressure, place, -soil.s)
                     : fmt::format("{}: found k0 = {:.6g}, under which {} would yield, allowed: {}",
                                   stress.where, stress.k0, place, borne<dim>(law, soil.s));
       break;
     }
-    points.V0[p] /= soil.J;
-    points.m[p] =
-        soil.density == body.material.density ? points.m[p] / soil.J : soil.density * points.V0[p];
+    points.V0[p] = points.V0[p] * points.J[p] / soil.J;
+    points.m[p] = soil.density == body.material.density && flow.empty()
+                      ? points.m[p] / soil.J
+                      : soil.density * points.V0[p];
     points.J[p] = soil.J;
     points.history[p] = soil.state;
     if (std::holds_alternative<CamClay<dim>>(body.material.law)) {
@@ -375,24 +255,24 @@ void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAt
 
 template <int dim>
 Vector<dim> initial_stress_at(const InitialStress& stress, const BodyAtRest<dim>& at_rest,
-                              double height) {
+                              double height, const FlowingWater* flow) {
   const double d = stress.surface - height;
   if (d <= 0) return Vector<dim>::Zero();
-  const auto soil = geostatic<dim>(stress, at_rest, at_rest.body.material.law, d);
+  const auto soil = geostatic<dim>(stress, at_rest, at_rest.body.material.law, d, flow);
   return soil.total_tau().template head<dim>() / soil.J;
 }
 
-template InitialStress read_initial_stress<2>(ConfigReader, const Body<2>&);
-template InitialStress read_initial_stress<3>(ConfigReader, const Body<3>&);
-template void take_water_table<2>(const ConfigReader&, const Mesh<2>&, const InitialStress&,
-                                  const PoolLevels&, Body<2>&);
-template void take_water_table<3>(const ConfigReader&, const Mesh<3>&, const InitialStress&,
-                                  const PoolLevels&, Body<3>&);
+template double shear_modulus<2>(const MaterialLaw<2>&);
+template double shear_modulus<3>(const MaterialLaw<3>&);
+template double first_lame_constant<2>(const MaterialLaw<2>&);
+template double first_lame_constant<3>(const MaterialLaw<3>&);
 template void set_initial_stress<2>(MPI_Comm, const InitialStress&, const BodyAtRest<2>&,
-                                    MaterialPoints<2>&);
+                                    MaterialPoints<2>&, std::span<const FlowingWater>);
 template void set_initial_stress<3>(MPI_Comm, const InitialStress&, const BodyAtRest<3>&,
-                                    MaterialPoints<3>&);
-template Vector<2> initial_stress_at<2>(const InitialStress&, const BodyAtRest<2>&, double);
-template Vector<3> initial_stress_at<3>(const InitialStress&, const BodyAtRest<3>&, double);
+                                    MaterialPoints<3>&, std::span<const FlowingWater>);
+template Vector<2> initial_stress_at<2>(const InitialStress&, const BodyAtRest<2>&, double,
+                                        const FlowingWater*);
+template Vector<3> initial_stress_at<3>(const InitialStress&, const BodyAtRest<3>&, double,
+                                        const FlowingWater*);
 
 }  // namespace gabion::mpm

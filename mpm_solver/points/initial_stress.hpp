@@ -14,6 +14,12 @@
 
 namespace gabion::mpm {
 
+/// Elastic constants of a law, of the virgin soil [Pa].
+template <int dim>
+double shear_modulus(const MaterialLaw<dim>& law);
+template <int dim>
+double first_lame_constant(const MaterialLaw<dim>& law);
+
 /// Geostatic stress of a body below a level surface: sigma_h = K0 sigma_v.
 struct InitialStress {
   double k0 = 0;                   ///< >= 0
@@ -25,7 +31,9 @@ struct InitialStress {
   /// Height of the water table, of a body with pore water [m].
   std::optional<double> water_table = std::nullopt;
   double saturation_above = 0;       ///< share of the pores that is filled above the water table
+  bool steady_seepage = false;       ///< the water flows (FlowingWater); false: it is at rest
   std::string where, where_surface;  ///< file and pointer of k0 and of surface, for messages
+  std::string where_pressure;        ///< of pore_pressure
 };
 
 /// Read {"k0": number | "elastic" | "jaky", "surface", "ocr", "max_displacement"}.
@@ -35,7 +43,8 @@ struct InitialStress {
 /// With an over-consolidation ratio, unloading is elastic:
 /// K0 = OCR K0_nc - (OCR - 1) nu / (1 - nu).
 ///
-/// A body with pore water also has "water_table", which it requires, and "saturation_above".
+/// A body with pore water also has "pore_pressure", "water_table", which it requires where the
+/// water is at rest, and "saturation_above".
 /// @throws ConfigError  also for a law without Hencky's or linear elasticity, or without phi
 /// @see Jaky (1948); Wroth (1975) for the unloading
 template <int dim>
@@ -60,6 +69,12 @@ struct BodyAtRest {
   LawsOfPoints<dim> laws = {};                ///< of the points, see LawsOfPoints
 };
 
+/// Pore water of a point that flows steadily, in full pores but for a suction that lets air in.
+struct FlowingWater {
+  double p = 0;           ///< its pressure [Pa]
+  double on_surface = 0;  ///< pressure of a pool on the surface above the point [Pa]
+};
+
 /// Put the points of one body under geostatic stress. Their positions are those of the stressed
 /// body, so with the volume V that a point was laid out with
 ///
@@ -80,23 +95,32 @@ struct BodyAtRest {
 /// is exact for water of constant density: sigma' grows by (rho - rho_w) g / J. Above the table
 /// points are dry but for their weight, rho_above = rho_dry + n0 saturation_above rho_w.
 ///
+/// Where the pressure p of each point is given, that of water that flows,
+///
+///     s + s^2 / (2 C) = rho g d + p_surface - S p ,  m = V0 (rho_dry + content rho_w) ,
+///
+/// with the share S of the pressure that grains feel (gives_way()): the weight above is that of
+/// full pores. It is exact for vertical flow; other flow needs a balance besides.
+///
 /// Cam-Clay has a bulk modulus P / kappa, P = a + (1 + 2 K0) s / 3, and its points get their memory
 /// here: mu_0 of P, and P_c of the ellipse through the normally consolidated stress with s_nc = ocr
 /// s. Its volumes follow from J = (P_r / P)^kappa, so that
 ///
 ///     s (1 + kappa) - kappa a / b ln(1 + b s / a) = rho g d ,  b = (1 + 2 K0) / 3
 ///
+/// @param flow  of all points; empty: the water is at rest
 /// @throws ConfigError  point above the surface, other direction of gravity, or stress that the law
 ///                      does not bear; names the point and what it would bear
 /// @note Collective on comm.
 template <int dim>
 void set_initial_stress(MPI_Comm comm, const InitialStress& stress, const BodyAtRest<dim>& at_rest,
-                        MaterialPoints<dim>& points);
+                        MaterialPoints<dim>& points, std::span<const FlowingWater> flow = {});
 
 /// Cauchy stresses along the axes at a height by these formulas, those of the pore water included;
 /// none above the surface [Pa].
+/// @param flow  of the water at that place; null: it is at rest
 template <int dim>
 Vector<dim> initial_stress_at(const InitialStress& stress, const BodyAtRest<dim>& at_rest,
-                              double height);
+                              double height, const FlowingWater* flow = nullptr);
 
 }  // namespace gabion::mpm

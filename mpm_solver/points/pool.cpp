@@ -15,11 +15,13 @@ KeyTable pool_keys() {
       "interpolated along x; a dry side is a pool whose level is below the soil.",
       {key::number("level", "m", "Height of its surface, constant.").or_none(),
        time_table_key("m",
-                      "Rows [t, level], t increasing, linear between rows and held before and "
+                      "Rows [t, level], t increasing, linear between rows and constant before and "
                       "after."),
-       key::number("from", "m", "x where it begins; none, of the first pool: it has no end there.")
+       key::number("from", "m",
+                   "x where the pool begins; the first pool may leave it out and has no end there.")
            .or_none(),
-       key::number("to", "m", "x where it ends; none, of the last pool: it has no end there.")
+       key::number("to", "m",
+                   "x where the pool ends; the last pool may leave it out and has no end there.")
            .or_none()},
       {"level", "table"}};
 }

@@ -26,8 +26,8 @@ void warn_of_soft_water(const ConfigReader& in, const PoreWater& water, double s
   const double ratio = water.modulus() / skeleton_modulus;
   if (ratio >= least_water_stiffness) return;
   log::warn(
-      "{}: found {:g}, over the porosity {:.3g} times the modulus of P waves of the soil: of a "
-      "confined load the water carries only {:.3g} %; from {:.3g} Pa on it is 95 %",
+      "{}: found {:g}; over the porosity it is {:.3g} times the P-wave modulus of the soil: the "
+      "water carries only {:.3g} % of a confined load; from {:.3g} Pa on 95 %",
       in.where("bulk_modulus"), water.bulk_modulus, ratio, 100 * ratio / (1 + ratio),
       least_water_stiffness * skeleton_modulus * water.porosity);
 }
@@ -95,18 +95,19 @@ double PoreWater::hydrostatic(double height) const {
 KeyTable pore_water_keys() {
   return {
       "water",
-      "Pore water that has no time to drain: `density` of the material is then that of the "
-      "saturated soil, its law that of the effective stress. Needs `locking` `fbar`.",
+      "Pore water that has no time to drain: the material's `density` is then that of the "
+      "saturated soil, and its law gives the effective stress. Needs `locking` `fbar`.",
       {key::number("porosity", "", "Volume of the pores over that of the soil, free of stress.")
            .in(inside(0, 1)),
        key::number("bulk_modulus", "Pa",
-                   "Bulk modulus of the water, 2.2e9 without air; less for longer explicit steps, "
-                   "but 20 times `porosity` times the modulus of P waves of the soil or more.")
+                   "Bulk modulus of the water, 2.2e9 without air. A smaller one allows longer "
+                   "explicit steps; at least 20 times `porosity` times the P-wave modulus of the "
+                   "soil.")
            .in(positive())
            .or_else(2.2e9),
        key::number("density", "kg/m^3", "Density of the water.").in(positive()).or_else(1000),
        key::number("cavitation_pressure", "Pa",
-                   "Suction beyond which the water gives way; 0: pores that open fill with air.")
+                   "Suction beyond which the water cavitates; 0: pores that open fill with air.")
            .in(non_negative())
            .or_else(0),
        key::number("grain_density", "kg/m^3",
@@ -119,40 +120,41 @@ KeyTable pore_water_keys() {
 KeyTable body_water_keys() {
   KeyTable table = pore_water_keys();
   table.sentence =
-      "Pore water: `density` of the material is then that of the saturated soil, its law that of "
-      "the effective stress. Water without `permeability` has no time to drain, and needs "
-      "`locking` `fbar`.";
+      "Pore water: the material's `density` is then that of the saturated soil, and its law gives "
+      "the effective stress. Water without `permeability` has no time to drain and needs `locking` "
+      "`fbar`.";
   for (Key& each : table.keys) {
     if (each.name == "cavitation_pressure") each = each.without("permeability");
   }
   table.keys.push_back(
       key::number("permeability", "m/s",
-                  "Hydraulic conductivity k: the water drains (on a `box` grid with `gimp` or "
-                  "`bspline`; in explicit steps by a fractional step), and leaves through "
-                  "`free_surface` and walls "
-                  "that are `drained`; none: it has no time to. Intrinsic permeability [m^2] times "
-                  "1e7 1/(m s).")
+                  "Hydraulic conductivity k, with which the water drains; none: it has no time to "
+                  "drain. k is the intrinsic permeability [m^2] times 1e7 1/(m s). The grid must "
+                  "be a `box` with `gimp` or `bspline`; explicit steps solve for the pressure by a "
+                  "fractional step. Water leaves through the `free_surface` and walls that are "
+                  "`drained`.")
           .in({.low = 0, .high = 1, .low_open = true, .allowed = "a number in (0, 1]"})
           .or_none());
   table.keys.push_back(
       key::choice("permeability_law", {"constant", "kozeny_carman"},
-                  "`kozeny_carman`: `permeability` is that at `porosity`, and changes with the "
-                  "present porosity as n^3 / (1 - n)^2.")
+                  "`kozeny_carman`: `permeability` holds at `porosity` and changes with the "
+                  "present porosity n as n^3 / (1 - n)^2.")
           .or_else("constant")
           .with("permeability"));
   table.keys.push_back(
       key::choice("free_surface", {"seepage_face", "impervious"},
-                  "Where the soil ends in air. `seepage_face`: water under pressure leaves there, "
-                  "none gets in. Soil under another body, at walls and surfaces ends nowhere.")
+                  "Surface of the soil in air. `seepage_face`: water under pressure leaves there, "
+                  "none gets in. Soil has no such surface under another body, at walls and at "
+                  "contact surfaces.")
           .or_else("seepage_face")
           .with("permeability"));
   table.keys.push_back(
       key::number(
           "suction_limit", "Pa",
-          "Suction that the grains feel at most, p_cav: under the suction s air enters, a "
-          "share (1 + (s / p_cav)^2)^(-1/2) of the pores stays full, and lets water through "
-          "by its cube; rho_w g times the height to which the soil draws water up, and no "
-          "less than that of a cell. None: pores stay full under any suction.")
+          "Largest suction p_cav that the grains feel: rho_w g times the height of the capillary "
+          "rise, at least times that of a cell. Air enters under a suction s: a share (1 + (s / "
+          "p_cav)^2)^(-1/2) of the pores stays full, and the permeability falls with the cube of "
+          "that share. None: pores stay full under any suction.")
           .in(positive())
           .or_none()
           .with("permeability"));

@@ -8,13 +8,14 @@ namespace gabion::mpm {
 KeyTable rain_keys() {
   return {
       "rain",
-      "Rain on the free surface, along gravity. Soil takes of it what keeps the pressure of "
-      "the water at its surface at 0 or below; the rest runs off.",
-      {key::number("rate", "m/s", "Constant volume by horizontal area; 1 mm/h is 2.8e-7.")
+      "Rain on the free surface, along gravity. Soil takes in as much as keeps the water pressure "
+      "at its surface at 0 or below; the rest runs off.",
+      {key::number("rate", "m/s",
+                   "Constant rate, volume per time and horizontal area; 1 mm/h is 2.8e-7.")
            .in({.low = 0, .high = most_rain, .allowed = "a number in [0, 0.01]"})
            .or_none(),
        time_table_key("m/s", fmt::format("Rows [t, rate], t increasing, the rate 0 to {:g}, linear "
-                                         "between rows and held before and after.",
+                                         "between rows and constant before and after.",
                                          most_rain))},
       {"rate", "table"}};
 }

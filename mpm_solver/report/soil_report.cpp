@@ -260,6 +260,7 @@ Json SoilReport<dim>::summary(const SoilState<dim>& state, const SoilStep<dim>& 
       {"memory", memory_.json(model_.comm)},
       {"wall_seconds", times.seconds()}};
   if (const Json water = water_summary(model_); !water.is_null()) summary["water"] = water;
+  if (step.initial_discharge()) summary["initial_discharge"] = *step.initial_discharge();
   append_ends(model_, state, summary);
   if (state.strength.started()) {
     summary["strength_reduction"] = state.strength.summary();

@@ -287,6 +287,7 @@ typename ExplicitMotion<dim>::Outcome ExplicitMotion<dim>::run(int count, double
   if (reach_ && !within_) reach_->begin(count);
   for (const auto& contact : parts_.surfaces.contacts()) contact->substeps().begin_substeps();
   Forces before = start_;
+  if (water_ && water_->subtract_pools(before.internal)) set_acceleration(before);
   for (int k = 0; k < count; ++k) {
     const Outcome outcome = do_substep({k, count}, soil_dt, before);
     if (outcome != Outcome::solved) return outcome;

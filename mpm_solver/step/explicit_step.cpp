@@ -10,6 +10,7 @@
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "mpm_solver/checks/pools.hpp"
 #include "mpm_solver/points/flat.hpp"
 
 namespace gabion::mpm {
@@ -61,14 +62,17 @@ void ExplicitStep<dim>::find_water() {
   const double end = start_.time + start_.dt;
   const Vector<dim> gravity =
       model.settings.phases[start_.phase].gravity_ramp.at(end) * model.settings.gravity;
+  const PoolLevels pools = pool_levels<dim>(model.settings, end, gravity);
   water_.emplace(WaterOfStep<dim>{
       .data = {.gravity = gravity,
                .cell_size = model.cell_size,
-               .averages = model.settings.locking.average_volumes},
+               .averages = model.settings.locking.average_volumes,
+               .pools = pools,
+               .rain = borders_->rain_at(end)},
       .surface = borders_->open() ? borders_->free_surface(parts_.state, start_.phase)
                                   : std::vector<OuterPoint<dim>>(),
       .drained = borders_->drained_nodes(
-          nodes(), {.phase = start_.phase, .time = end, .gravity = gravity, .pools = {}})});
+          nodes(), {.phase = start_.phase, .time = end, .gravity = gravity, .pools = pools})});
 }
 
 template <int dim>
@@ -226,8 +230,10 @@ StepEnd<dim> ExplicitStep<dim>::end() {
   end.balance = balance();
   end.plastic_work = motion_->result().plastic_work;
   if (FractionalStep<dim>* water = motion_->water()) {
-    end.plastic_work += water->finish() + water->water().weight_work();
+    end.plastic_work += water->finish() + water->water().weight_work() + water->supplied_work();
     end.balance.body_work += water->water().weight_work();
+    end.balance.boundary_work += water->supplied_work();
+    end.balance.step_force += water->pool_impulse() / start_.dt;
   }
   return end;
 }
@@ -250,7 +256,11 @@ template <int dim>
 void ExplicitStep<dim>::remember(SoilState<dim>& state) const {
   state.nearly_linear = false;
   state.contact_rate = motion_->result().contact_rate;
-  if (motion_->water() != nullptr) state.water_out += motion_->water()->outflow();
+  if (motion_->water() == nullptr) return;
+  const FractionalStep<dim>& water = *motion_->water();
+  state.water_out += water.outflow();
+  state.rain_in += water.rain_in();
+  state.rain_run_off += water.rain_run_off();
 }
 
 template class ExplicitStep<2>;

@@ -24,6 +24,9 @@ constexpr int few_iterations = 5;
 
 constexpr int most_iterations = 40;
 
+// Most sets of places where rain runs off in a substep; mostly one or two suffice.
+constexpr int most_changes_of_outlets = 20;
+
 }  // namespace
 
 template <int dim>
@@ -43,10 +46,12 @@ void FractionalStep<dim>::begin(double dt) {
     held_[i] = 2;
     q_[i] = parts_.water.drained.q[k];
   }
-  work_ = 0;
+  work_ = supplied_work_ = rain_in_ = rain_run_off_ = 0;
+  pool_impulse_.setZero();
   iterations_ = 0;
   water_->find_start_forces();
   f_start_ = water_->forces();
+  f_pool_start_ = water_->pool_forces();
   u_.assign(f_start_.size(), 0.0);
   set_matrix();
   f_old_ = water_->forces();
@@ -176,7 +181,17 @@ void FractionalStep<dim>::solve(std::span<double> u) {
   double r = residual();
   const double enough = std::max(left_over * r, round_off * std::sqrt(soil));
   std::vector<double> dq(q_.size());
-  for (int k = 0; !(r <= enough); ++k) {
+  for (int k = 0, changes = 0;; ++k) {  // changes of places where rain runs off
+    if (r <= enough) {
+      if (!water_->update_outlets()) break;
+      if (++changes > most_changes_of_outlets) {
+        throw ConvergenceError("explicit step: places where rain runs off change without end",
+                               "pore_pressures");
+      }
+      evaluate(false);
+      r = residual();
+      if (r <= enough) continue;
+    }
     if (k == most_iterations || !std::isfinite(r)) {
       throw ConvergenceError(
           fmt::format("explicit step: pore pressures: {:.3g} m^3 of water are missing after {} "
@@ -202,7 +217,40 @@ void FractionalStep<dim>::end_substep(std::span<const double> move) {
     work_ += move[k] * (0.5 * (f_start_[k] + f[k]) + F_[k]);
   }
   f_start_ = f_old_ = f;
+  add_supplies(move);
   water_->carry_on();
+}
+
+// Add what pools and rain do in the substep.
+template <int dim>
+void FractionalStep<dim>::add_supplies(std::span<const double> move) {
+  supplied_work_ += water_->inflow_work();
+  rain_in_ += water_->rain_in();
+  rain_run_off_ += water_->rain_run_off();
+  const std::vector<double>& f = water_->pool_forces();
+  for (std::size_t k = 0; k < f.size(); ++k) {
+    const double mean = 0.5 * (f_pool_start_[k] + f[k]);
+    supplied_work_ += move[k] * mean;
+    pool_impulse_[static_cast<Eigen::Index>(k % dim)] += dt_ * mean;
+  }
+  f_pool_start_ = f;
+}
+
+template <int dim>
+bool FractionalStep<dim>::subtract_pools(std::span<double> internal) const {
+  for (std::size_t k = 0; k < f_pool_start_.size(); ++k) internal[k] -= f_pool_start_[k];
+  return !f_pool_start_.empty();
+}
+
+template <int dim>
+double FractionalStep<dim>::supplied_work() const {
+  double work = supplied_work_;
+  const DrainedNodes& drained = parts_.water.drained;
+  for (std::size_t k = 0; k < drained.nodes.size(); ++k) {
+    const std::int32_t i = drained.nodes[k];
+    if (held_[i] == 2) work += drained.p[k] * water_->volumes()[i];
+  }
+  return work;
 }
 
 template <int dim>

@@ -67,6 +67,17 @@ class FractionalStep {
   const SeepageForces<dim>& water() const { return *water_; }
   /// Volume of water that left in the step so far [m^3].
   double outflow() const;
+  /// Work of pools and of the pressure beyond drained walls on water that comes in, and of pools on
+  /// the skeleton, in the step so far [J], and their impulse on it [N s].
+  double supplied_work() const;
+  const Vector<dim>& pool_impulse() const { return pool_impulse_; }
+  /// Take the forces of pools on the skeleton at the start of the step from internal forces that
+  /// follow from the stresses of the points, num_nodes x dim [N].
+  /// @returns whether there are pools
+  bool subtract_pools(std::span<double> internal) const;
+  /// Volumes of the rain that the soil took and did not take in the step so far [m^3].
+  double rain_in() const { return rain_in_; }
+  double rain_run_off() const { return rain_run_off_; }
   int iterations() const { return iterations_; }  ///< of conjugate gradients since begin()
 
  private:
@@ -77,6 +88,7 @@ class FractionalStep {
   void correct(double tolerance, std::vector<double>& dq);
   void respond(std::span<const double> f, std::vector<double>& A) const;
   double residual();
+  void add_supplies(std::span<const double> move);
   void move(std::span<const double> u);
   void evaluate(bool with_K);
 
@@ -97,6 +109,9 @@ class FractionalStep {
   bool lumped_ = false;        // PressureMatrix::near
   int least_iterations_ = 0;   // of the first solution with solver_; 0: there is none
   double work_ = 0;            // of the pressure so far [J]
+  double supplied_work_ = 0, rain_in_ = 0, rain_run_off_ = 0;
+  Vector<dim> pool_impulse_ = Vector<dim>::Zero();
+  std::vector<double> f_pool_start_;  // at the start of the substep
   int iterations_ = 0;
 };
 

@@ -198,10 +198,11 @@ std::vector<double> ImplicitStep<dim>::settlement(const StepStart& start,
   } catch (const ConvergenceError& error) {
     const BodyGroups& groups = parts_.model.settings.body_groups;
     throw ConfigError(fmt::format(
-        "{}: found no equilibrium of the soil under its initial stress: some of it is held "
-        "nowhere, or not against every rigid motion; allowed: bodies that rest on \"walls\" of the "
-        "grid, or on what \"walls\" hold{} ({})",
-        where, groups.any() ? ", in each of the \"contact_groups\": none bears another here" : "",
+        "{}: found no equilibrium of the soil under its initial stress: part of it is not held, or "
+        "not against every rigid motion; allowed: bodies that rest on \"walls\" of the grid, or on "
+        "bodies that do{} ({})",
+        where,
+        groups.any() ? ", in each of the \"contact_groups\": here no group bears another" : "",
         error.what()));
   }
   return du;

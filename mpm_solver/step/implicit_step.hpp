@@ -12,6 +12,12 @@
 
 namespace gabion::mpm {
 
+/// Steady flow of pore water through the skeleton at rest.
+struct SteadyFlow {
+  std::vector<double> pressures;  ///< of the points of this rank [Pa]
+  double discharge = 0;           ///< volume that leaves, and enters, by time [m^3/s]
+};
+
 /// Steps of implicit phases: the balance of momentum at the end of the step, solved by Newton's
 /// method.
 template <int dim>
@@ -38,6 +44,20 @@ class ImplicitStep : public StepMethod<dim> {
   /// @throws ConfigError  there is none: some of the soil is held nowhere
   virtual std::vector<double> settlement(const StepStart& start, const Vector<dim>& gravity,
                                          const std::string& where);
+
+  /// Find the steady flow at the start, and leave its pressures in the water of the points. Without
+  /// soil that drains there is none.
+  /// @param where  of the setting that asks for it, for the message
+  /// @throws ConfigError  there is none, or several
+  virtual SteadyFlow find_steady_flow(const StepStart&, const Vector<dim>&, const std::string&) {
+    return {};
+  }
+  /// Replace the stresses of the points by those in balance under the pressures of that flow, which
+  /// stay, and so do the places of the points.
+  /// @throws ConfigError  there is no balance
+  virtual void balance_flow(const StepStart&, const Vector<dim>&, const std::string&) {}
+  /// Pressure of that flow at a place in the soil or beside it [Pa].
+  virtual double pressure_of_flow(std::int32_t, const Vector<dim>&) const { return 0; }
 
   const LinearSolver<dim>& linear_solver() const { return system_.solver(); }
   const BlockMatrix<dim>& stiffness() const { return system_.K(); }

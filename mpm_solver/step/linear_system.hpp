@@ -32,7 +32,7 @@ class LinearSystem {
     solver_.set_regime(regime, nodes.num_of_all());
     shared_ = nodes.shared;
   }
-  /// Give up the memory of the stiffness until the next step begins. @note Collective.
+  /// Release the memory of the stiffness until the next step begins. @note Collective.
   void release() {
     solver_.release();
     K_ = empty_matrix();

@@ -20,11 +20,13 @@ SeepageBalance<dim>::SeepageBalance(Equilibrium<dim>& equilibrium, SeepageForces
       q_start_(water.start_heads()) {
   // Nodes of dry soil have no pressure.
   for (const char wet : water_.wet()) held_.push_back(wet ? 0 : 1);
+  p_drained_.assign(held_.size(), 0.0);
   for (std::size_t k = 0; k < drained.nodes.size(); ++k) {
     const std::int32_t i = drained.nodes[k];
     if (held_[i] != 0) continue;
     held_[i] = 2;
     q_start_[i] = drained.q[k];
+    p_drained_[i] = drained.p[k];
   }
 }
 
@@ -69,10 +71,13 @@ Evaluation SeepageBalance<dim>::evaluate(std::span<const double> x, std::span<do
   result.likely_last = false;  // water is not linear, even where the soil was
   if (!result.admissible) return result;
   for (std::size_t k = 0; k < du.size(); ++k) r[k / dim * block_size + k % dim] = r_u_[k];
-  outflow_ = 0;
+  outflow_ = drained_work_ = 0;
   for (std::size_t i = 0; i < q_.size(); ++i) {
     const double missing = water_.volumes()[i];
-    if (held_[i] == 2 && shared().owns(static_cast<std::int32_t>(i))) outflow_ -= missing;
+    if (held_[i] == 2 && shared().owns(static_cast<std::int32_t>(i))) {
+      outflow_ -= missing;
+      drained_work_ += missing * p_drained_[i];
+    }
     r[i * block_size + dim] = held_[i] != 0 ? 0 : scale_ * missing;
   }
   outflow_ = shared().total(outflow_);

@@ -39,6 +39,9 @@ class SeepageBalance final : public NewtonProblem<dim + 1> {
   /// Volume of water that leaves through drained nodes and the free surface in the state of the
   /// last evaluation [m^3].
   double outflow() const { return outflow_ + water_.outflow(); }
+  /// Work of the pressure beyond drained nodes on the water that comes in there, less that of what
+  /// leaves, in the state of the last evaluation, of the nodes of this rank [J].
+  double drained_work() const { return drained_work_; }
 
  private:
   void add_equilibrium(BlockMatrix<block_size>& K) const;
@@ -50,8 +53,9 @@ class SeepageBalance final : public NewtonProblem<dim + 1> {
   double scale_;                 // M / h [Pa/m]
   std::vector<double> q_start_;  // of each node [Pa]
   std::vector<char> held_;  // by node: 1 where it has no water of its own, 2 where it is drained
+  std::vector<double> p_drained_;  // pressure of drained nodes, else 0 [Pa]
   std::vector<double> q_, r_u_;
-  double outflow_ = 0;
+  double outflow_ = 0, drained_work_ = 0;
 };
 
 }  // namespace gabion::mpm

@@ -2,6 +2,7 @@
 #include "mpm_solver/step/seepage_borders.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "mpm_solver/checks/seepage.hpp"
@@ -47,14 +48,17 @@ DrainedNodes SeepageBorders<dim>::drained_nodes(const GridNodes<dim>& nodes,
   if (soil == bodies.end()) soil = std::ranges::find_if(bodies, drains<dim>);
   const Phase& phase = model_.settings.phases[beyond.phase];
   const double share = phase.gravity_ramp.at(beyond.time);
-  std::map<std::int32_t, double> q;
+  struct Given {
+    double q, p;
+  };
+  std::map<std::int32_t, Given> given;
   const auto drain = [&](std::int32_t node) {
     const std::int32_t i = nodes.active[node];
     if (i < 0) return;
     const Vector<dim>& x = nodes.x[i];
     const double p = beyond.pools.empty() ? share * soil->water->hydrostatic(x[dim - 1])
                                           : beyond.pools.template pressure<dim>(x);
-    q[i] = p - soil->water->density * beyond.gravity.dot(x);
+    given[i] = {p - soil->water->density * beyond.gravity.dot(x), p};
   };
   for (const WallSettings& wall : phase.walls) {
     if (!wall.drained) continue;
@@ -64,11 +68,41 @@ DrainedNodes SeepageBorders<dim>::drained_nodes(const GridNodes<dim>& nodes,
     }
   }
   DrainedNodes drained;
-  for (const auto& [node, value] : q) {
+  for (const auto& [node, value] : given) {
     drained.nodes.push_back(node);
-    drained.q.push_back(value);
+    drained.q.push_back(value.q);
+    drained.p.push_back(value.p);
   }
   return drained;
+}
+
+template <int dim>
+std::vector<FedSide> SeepageBorders<dim>::fed_sides(std::size_t phase) const {
+  std::vector<FedSide> sides;
+  for (const WallSettings& wall : model_.settings.phases[phase].walls) {
+    if (wall.inflow == 0) continue;
+    const BoxGrid<dim>& box = *model_.grid.box;
+    const auto nodes = find_group_nodes(model_.grid.facet_groups, wall.group, wall.where);
+    for (int d = 0; d < dim; ++d) {
+      const auto at = [&](double end) {
+        return std::ranges::all_of(nodes, [&](std::int32_t node) {
+          return std::round(box.lattice_position(box.node_position(node))[d]) == end;
+        });
+      };
+      for (const bool high : {false, true}) {
+        if (!at(high ? box.num_cells[d] : 0)) continue;
+        sides.push_back({.axis = d, .high = high, .rate = wall.inflow});
+      }
+    }
+  }
+  return sides;
+}
+
+template <int dim>
+Vector<dim> SeepageBorders<dim>::rain_at(double time) const {
+  const MpmSettings<dim>& settings = model_.settings;
+  if (!settings.rain) return Vector<dim>::Zero();
+  return settings.rain->at(time) * settings.gravity.normalized();
 }
 
 template class SeepageBorders<2>;

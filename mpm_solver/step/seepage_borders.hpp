@@ -8,6 +8,7 @@
 #include "mpm_solver/points/pool.hpp"
 #include "mpm_solver/small_cuts/weak_nodes.hpp"
 #include "mpm_solver/step/soil_on_grid.hpp"
+#include "mpm_solver/stress/seepage_inlets.hpp"
 
 namespace gabion::mpm {
 
@@ -15,9 +16,10 @@ namespace gabion::mpm {
 struct DrainedNodes {
   std::vector<std::int32_t> nodes;  ///< active numbers, ascending
   std::vector<double> q;            ///< unknown of SeepageForces there [Pa]
+  std::vector<double> p;            ///< pressure there [Pa]
 };
 
-/// Where pore water that drains leaves the soil: walls that are drained and the free surface.
+/// Borders through which pore water leaves the soil: drained walls and the free surface.
 /// Refers to the model.
 template <int dim>
 class SeepageBorders {
@@ -39,6 +41,10 @@ class SeepageBorders {
   /// The water beyond drained walls is at rest, below the level of pools, or else the table of the
   /// soil.
   DrainedNodes drained_nodes(const GridNodes<dim>& nodes, const Beyond& beyond) const;
+  /// Sides of the grid through which water is given to the soil, or taken.
+  std::vector<FedSide> fed_sides(std::size_t phase) const;
+  /// Volume of rain by area across it, along gravity [m/s].
+  Vector<dim> rain_at(double time) const;
 
  private:
   const SoilModel<dim>& model_;

@@ -57,7 +57,7 @@ void SeepageStep<dim>::make_water(const StepStart& start, double time, const Vec
                      .inertia_slope = start.with_inertia ? start.scheme.inertia_slope(start.dt) : 0,
                      .averages = model.settings.locking.average_volumes,
                      .pools = pools_,
-                     .rain = rain_at(time)});
+                     .rain = borders_.rain_at(time)});
   this->f_pore_ = water_->forces();
 }
 
@@ -67,34 +67,47 @@ void SeepageStep<dim>::begin(const StepStart& start) {
   balance_.reset();
   const LoadRamp& ramp = model.settings.phases[start.phase].gravity_ramp;
   const double end = start.time + start.dt;
-  make_water(start, end, ramp.at(end) * model.settings.gravity);
+  const Vector<dim> gravity = ramp.at(end) * model.settings.gravity;
+  make_water(start, end, gravity);
   ImplicitStep<dim>::begin(start);
-  if (borders_.open()) {
-    water_->open(model.grid, borders_.free_surface(this->parts_.state, start.phase));
-  }
-  Equilibrium<dim>& equilibrium = *this->equilibrium_;
+  open_borders(start, gravity);
+  begin_matrix();
+  balance_.emplace(*this->equilibrium_, *water_, this->system_.K(),
+                   drained_nodes(start, end, gravity));
+}
+
+// Let water pass the surface of the soil and sides of the grid.
+template <int dim>
+void SeepageStep<dim>::open_borders(const StepStart& start, const Vector<dim>& gravity) {
+  const BackgroundGrid<dim>& grid = this->parts_.model.grid;
+  if (borders_.open()) water_->open(grid, borders_.free_surface(this->parts_.state, start.phase));
+  const auto sides = borders_.fed_sides(start.phase);
+  if (sides.empty()) return;
+  water_->feed(
+      SeepageInlets<dim>(stress_parts(), grid, sides, {.gravity = gravity, .dt = start.dt}));
+}
+
+// The matrix with the pattern of the balance.
+template <int dim>
+void SeepageStep<dim>::begin_matrix() {
   if (!K_) {
     K_.emplace([this](const BlockMatrix<dim + 1>& K) { return solver_.make_room(K); });
   }
   std::vector<std::int32_t> offsets, cell_nodes;
-  equilibrium.pattern(offsets, cell_nodes);
+  this->equilibrium_->pattern(offsets, cell_nodes);
   const auto& nodes = this->parts_.soil.nodes();
   solver_.begin_step({});
   K_->set_pattern(nodes.size(), offsets, cell_nodes);
   solver_.set_regime({.symmetric = false, .courant = std::numeric_limits<double>::infinity()},
                      nodes.num_of_all());
-  balance_.emplace(equilibrium, *water_, this->system_.K(),
-                   borders_.drained_nodes(nodes, {.phase = start.phase,
-                                                  .time = end,
-                                                  .gravity = ramp.at(end) * model.settings.gravity,
-                                                  .pools = pools_}));
 }
 
 template <int dim>
-Vector<dim> SeepageStep<dim>::rain_at(double time) const {
-  const MpmSettings<dim>& settings = this->parts_.model.settings;
-  if (!settings.rain) return Vector<dim>::Zero();
-  return settings.rain->at(time) * settings.gravity.normalized();
+DrainedNodes SeepageStep<dim>::drained_nodes(const StepStart& start, double time,
+                                             const Vector<dim>& gravity) const {
+  return borders_.drained_nodes(
+      this->parts_.soil.nodes(),
+      {.phase = start.phase, .time = time, .gravity = gravity, .pools = pools_});
 }
 
 // The guess is flight or rest under the pressures of the start, whichever is nearer to balance.
@@ -149,8 +162,8 @@ NewtonReport SeepageStep<dim>::solve(const NewtonSettings& settings) {
   NewtonReport report = solve_newton<dim + 1>(*balance_, matrix, settings, x_, this->parts_.times);
   for (int k = 0; water_->update_outlets(); ++k) {
     if (k == most_changes_of_outlets) {
-      throw ConvergenceError(
-          fmt::format("places where rain runs off or water leaves change after {} solutions", k));
+      throw ConvergenceError(fmt::format(
+          "places where rain runs off or water leaves still change after {} solutions", k));
     }
     const int iterations = report.iterations;
     report = solve_newton<dim + 1>(*balance_, matrix, settings, x_, this->parts_.times);
@@ -167,12 +180,17 @@ StepEnd<dim> SeepageStep<dim>::end() {
   end.plastic_work += water_->finish(this->du_) + water_->weight_work();
   const SharedNodes& shared = balance_->shared();
   end.balance.body_work += shared.total(water_->weight_work());
-  if (pools_.empty()) return end;
+  end.balance.boundary_work += shared.total(balance_->drained_work());
+  const double fed = shared.total(water_->inflow_work());
+  end.plastic_work += water_->inflow_work() + balance_->drained_work();
+  if (pools_.empty()) {
+    end.balance.boundary_work += fed;
+    return end;
+  }
   // The trapezoidal rule of the ledger does not apply to pools.
   const double work = shared.total(water_->pool_work(this->du_));
-  end.balance.boundary_work += work + shared.total(water_->inflow_work());
+  end.balance.boundary_work += work + fed;
   end.balance.time_damping += 0.5 * work;
-  end.plastic_work += water_->inflow_work();
   Vector<dim> force = water_->pool_force();
   shared.total({force.data(), dim});
   end.balance.boundary_force += force;

@@ -44,7 +44,7 @@ class SoilOnGrid {
   };
   void map(Mapping mapping);
 
-  /// Give up the memory of the weights until the next map().
+  /// Release the memory of the weights until the next map().
   void release() {
     weights_ = {};
     stop_.forget();

@@ -48,7 +48,8 @@ MaterialPoints<dim> lay_all_points(const SoilModel<dim>& model) {
   // their part of it.
   if (phase.dynamic) std::fill(points.a.begin(), points.a.end(), gravity);
   for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
-    if (!settings.initial_stress[b]) continue;
+    // Under steady seepage it needs the pressure of the water, which the nodes find.
+    if (!settings.initial_stress[b] || settings.initial_stress[b]->steady_seepage) continue;
     set_initial_stress<dim>(model.comm, *settings.initial_stress[b],
                             {.body = settings.bodies[b],
                              .number = static_cast<std::int32_t>(b),

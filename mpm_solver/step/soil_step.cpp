@@ -140,10 +140,12 @@ SoilSurface<dim> SoilStep<dim>::surface_of_soil() const {
           .step_force_weight = start_.with_inertia ? start_.scheme.step_force_weight() : 1,
           .elastic = model_.elastic,
           .moduli = model_.moduli,
+          .strength_factor = start_.strength_factor,
           .takes_weight = start_.takes_weight,
           .weights_of = model_.weights,
           .pore_pressures = pore_pressures_,
-          .water_weights = water_weights_,
+          .grain_stresses = grain_stresses_,
+          .pore_waters = pore_waters_,
           .comm = model_.comm};
 }
 
@@ -282,8 +284,12 @@ void SoilStep<dim>::move_points(const StepEnd<dim>& end) {
   grid_to_points(soil_.nodes(), end.motion, soil_.weights(), model_.settings.pic_share, points);
   method_->finish_points(points);
   if (start_.with_inertia) {
-    const NoiseDamping rate{model_.settings.noise_damping, start_.dt, model_.cell_size};
-    if (rate.damping > 0) damp_noise<dim>(soil_.weights(), soil_.nodes(), rate, points);
+    const double damping = model_.settings.noise_damping;
+    if (damping > 0) {
+      const std::vector<double> pools = pool_pressures();
+      const NoiseDamping rate{damping, start_.dt, model_.cell_size, pools};
+      damp_noise<dim>(soil_.weights(), soil_.nodes(), rate, points);
+    }
   } else {
     std::fill(points.v.begin(), points.v.end(), Vector<dim>::Zero());
     std::fill(points.a.begin(), points.a.end(), Vector<dim>::Zero());

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -49,9 +50,9 @@ class SoilStep {
 
   /// Note that begin() or solve() has thrown.
   void note_failure(const ConvergenceError& error, double dt) { sizes_.add_failure(error, dt); }
-  /// Reject the step, which failed or is given up.
+  /// Reject the step, which failed or is abandoned.
   void reject();
-  /// Give up the current step, if there is one: the accepted state has changed.
+  /// Abandon the current step, if there is one: the accepted state has changed.
   void forget() { under_way_ = false; }
   /// Release the memory that only a step needs. Called between steps, when another part of the
   /// program needs much for a moment.
@@ -67,6 +68,8 @@ class SoilStep {
   std::int64_t capped_domains() const { return capped_domains_; }
   /// Displacement that would balance the initial stress [m].
   double initial_displacement() const { return initial_displacement_; }
+  /// Discharge of the steady flow at the start [m^3/s]; none: its water was at rest.
+  const std::optional<double>& initial_discharge() const { return initial_discharge_; }
 
  private:
   StepMethod<dim>& method_of(const Phase& phase);
@@ -74,11 +77,12 @@ class SoilStep {
   StepReport solve_once(const StepRequest& request, const InterfaceValues& received);
   StepReport solve_weaker(const StepRequest& request, const InterfaceValues& received);
   void begin_with(const StepRequest& request, const StrengthSearch& search);
-  void begin_at_rest(const Vector<dim>& gravity, double deepest_row);
+  void begin_at_rest(const Vector<dim>& gravity, std::optional<double> deepest_row);
   SoilSurface<dim> surface_of_soil() const;
   void map_soil();
   void find_pore_pressures();
   PoolLevels pools_at(double time) const;
+  std::vector<double> pool_pressures() const;
   void begin_surfaces();
   void check_surfaces();
   StepReport solve_soil(const StepRequest& request);
@@ -98,15 +102,17 @@ class SoilStep {
   double reach_ = 0;  // half the mean size of a material point at the start [m]
   std::int64_t capped_domains_ = 0;
   double initial_displacement_ = 0;
+  std::optional<double> initial_discharge_;
   BodyRotations<dim> rotations_;
 
   // the current step, or the last one
   bool under_way_ = false;
   StepStart start_;
-  StrengthSearch strength_;                 // after the current step
-  std::vector<double> pore_pressures_;      // SoilSurface::pore_pressures
-  std::vector<Vector<dim>> water_weights_;  // SoilSurface::water_weights
-  SparseList<char> occupied_;               // SoilOnGrid::occupied_cells; empty where nobody asks
+  StrengthSearch strength_;                     // after the current step
+  std::vector<double> pore_pressures_;          // SoilSurface::pore_pressures
+  std::vector<Symmetric<dim>> grain_stresses_;  // SoilSurface::grain_stresses
+  std::vector<WaterOfBody<dim>> pore_waters_;   // SoilSurface::pore_waters
+  SparseList<char> occupied_;  // SoilOnGrid::occupied_cells; empty where nobody asks
   SurplusMotions<dim> surplus_;
   TrialPoints<dim> trial_;
   std::unique_ptr<ImplicitStep<dim>> implicit_;

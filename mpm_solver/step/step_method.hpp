@@ -91,7 +91,7 @@ class StepMethod {
   /// Put the data of this step that later steps need into the state.
   virtual void remember(SoilState<dim>& state) const = 0;
 
-  /// Give up the memory that only a step needs, until the next one begins.
+  /// Release the memory that only a step needs, until the next one begins.
   virtual void release() = 0;
 };
 

@@ -129,7 +129,7 @@ void StrengthSearch::log_result() const {
   } else if (found()) {
     log::info(
         "factor of safety: equilibrium with F = {:.5g}, none with {:.5g}; displacement {:.3g} m, "
-        "by F {:.3g} times its mean: {}",
+        "per F {:.3g} times its mean: {}",
         highest_, failed_, displacement_, knee(), reason_.get<std::string>());
     if (growth() > largest_growth) {
       log::warn(
@@ -141,8 +141,8 @@ void StrengthSearch::log_result() const {
   } else {
     log::warn(
         "strength reduction: not solved with F = {:.5g}, but the soil did not slide before: with "
-        "{:.5g} its displacement by F is {:.3g} times the mean of the search, less than {}. This "
-        "is no factor of safety; begin lower or with smaller increments. {}",
+        "{:.5g} its displacement per F is {:.3g} times the mean of the search, less than {}. This "
+        "is not a factor of safety; begin lower or with smaller increments. {}",
         failed_, highest_, knee(), least_knee, reason_.get<std::string>());
   }
 }

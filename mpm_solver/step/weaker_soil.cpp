@@ -12,6 +12,18 @@
 
 namespace gabion::mpm {
 
+namespace {
+
+// Of a first step without equilibrium.
+std::string advice(const StrengthSearch& search, const StrengthReduction& settings) {
+  if (search.highest() > 0) return "";
+  return fmt::format(
+      "; if the soil cannot rest with this strength, let strength_reduction/from = {} be smaller",
+      settings.from);
+}
+
+}  // namespace
+
 // Solve with the largest strength factor for which this step finds an equilibrium. The end of a
 // search is part of the accepted state, whatever becomes of this step.
 template <int dim>
@@ -35,7 +47,7 @@ StepReport SoilStep<dim>::solve_weaker(const StepRequest& request,
       text = fmt::format("points would move by {:.3g} m", strength_.displacement() + largest);
     } catch (const ConvergenceError& error) {
       text = fmt::format("strength divided by F = {:.5g}: {}", factor, error.what());
-      if (!strength_.can_fail(settings)) throw_as(text, error);
+      if (!strength_.can_fail(settings)) throw_as(text + advice(strength_, settings), error);
     }
     strength_.fail(settings, reason, text);
     log::info("strength reduction: no equilibrium with F = {:.5g}: {}", factor, text);

@@ -27,9 +27,10 @@ KeyTable step_control_keys() {
       "step_control",
       "Limits from which the soil proposes the next dt; null: that limit does not act.",
       {limit("time_error", share, 1e-3,
-             "Estimated error of the displacement in an implicit step over the longest one so far: "
-             "root mean square over the mass, without the hundredth of it where the error is "
-             "largest, unless that touches an interface.")
+             "Estimated error of the displacement in an implicit step, over the largest "
+             "displacement of a step so far. It is the root mean square over the mass, without the "
+             "hundredth of the mass with the largest error unless that is in contact with an "
+             "interface.")
            .only("where a phase is implicit"),
        limit("advective", share, 0.3,
              "Largest displacement of a material point in a step over the cell size."),
@@ -37,8 +38,8 @@ KeyTable step_control_keys() {
        limit("newton_target", at_least(1), 8, "Newton iterations beyond which dt shrinks.")
            .only("where a phase is implicit"),
        limit("approach", share, 0.1,
-             "How far a surface may go into the soil in a step, beyond its gap, over the cell "
-             "size.")}};
+             "Largest displacement of a surface into the soil in a step, beyond the gap, over the "
+             "cell size.")}};
 }
 
 StepControlSettings read_step_control(ConfigReader in, bool any_implicit) {

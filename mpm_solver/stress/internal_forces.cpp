@@ -36,7 +36,7 @@ std::string refusal_text(Refusal refusal) {
     return fmt::format("would be squeezed below {} of its volume", min_J_ratio);
   }
   if (refusal == Refusal::pores_closed) return "would be squeezed until its pores are closed";
-  return "strains more in this step than its law finds a stress for";
+  return "strains more in this step than its law can follow";
 }
 
 /// Room for the points and the cell at hand.

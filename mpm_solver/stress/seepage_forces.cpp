@@ -21,6 +21,31 @@ constexpr double points_see_of_gimp = 4.0 / 3, points_see_of_splines = 2.5;
 // other by this share of what the group stores and lets seep.
 constexpr double tie_share = 1e-6;
 
+// tau_st of a body, (W14) [1/Pa].
+template <int dim>
+double stabilisation(const StressParts<dim>& parts, const SeepageStepData<dim>& step,
+                     std::int32_t body) {
+  const Body<dim>& soil = parts.bodies[body];
+  const double h = step.cell_size;
+  const double M = (step.by_inertia ? 0 : skeleton_modulus(soil)) +
+                   step.inertia_slope * soil.material.density * h * h;
+  double least = 1;
+  const auto& points = parts.points;
+  for (std::int32_t p = points.body_starts[body]; p < points.body_starts[body + 1]; ++p) {
+    double ratio = soil.water->mobility_ratio(points.J[p]);
+    if (gives_way(*soil.water)) {
+      const double pressure = water_pressure(*soil.water, points.water[p], points.J[p]);
+      ratio *= retention_at(*soil.water, pressure).mobility;
+    }
+    least = std::min(least, ratio);
+  }
+  least = -parts.nodes.shared.largest(-least);
+  const double drained = 4 * soil.water->mobility() * least * M * step.dt / (h * h);
+  const double alpha =
+      parts.points.half_length.empty() ? points_see_of_splines : points_see_of_gimp;
+  return alpha * 3 / M * std::max(0.0, 1 - drained);
+}
+
 }  // namespace
 
 template <int dim>
@@ -34,7 +59,7 @@ SeepageForces<dim>::SeepageForces(const StressParts<dim>& parts, const SeepageSt
   for (std::size_t b = 0; b < parts_.bodies.size(); ++b) {
     const Body<dim>& body = parts_.bodies[b];
     const bool drains = body.water && body.water->drains();
-    tau_st_.push_back(drains ? stabilisation(static_cast<std::int32_t>(b)) : 0);
+    tau_st_.push_back(drains ? stabilisation(parts_, step_, static_cast<std::int32_t>(b)) : 0);
     if (drains) modulus_ = std::max(modulus_, skeleton_modulus(body));
   }
   for (std::size_t g = 0; g < weights.groups.size(); ++g) {
@@ -81,29 +106,6 @@ void SeepageForces<dim>::list_pool_pressures() {
       p_pool_slope_[e] = step_.pools.template gradient<dim>(x);
     }
   }
-}
-
-template <int dim>
-double SeepageForces<dim>::stabilisation(std::int32_t body) const {
-  const Body<dim>& soil = parts_.bodies[body];
-  const double h = step_.cell_size;
-  const double M = (step_.by_inertia ? 0 : skeleton_modulus(soil)) +
-                   step_.inertia_slope * soil.material.density * h * h;
-  double least = 1;
-  const auto& points = parts_.points;
-  for (std::int32_t p = points.body_starts[body]; p < points.body_starts[body + 1]; ++p) {
-    double ratio = soil.water->mobility_ratio(points.J[p]);
-    if (gives_way(*soil.water)) {
-      const double pressure = water_pressure(*soil.water, points.water[p], points.J[p]);
-      ratio *= retention_at(*soil.water, pressure).mobility;
-    }
-    least = std::min(least, ratio);
-  }
-  least = -parts_.nodes.shared.largest(-least);
-  const double drained = 4 * soil.water->mobility() * least * M * step_.dt / (h * h);
-  const double alpha =
-      parts_.points.half_length.empty() ? points_see_of_splines : points_see_of_gimp;
-  return alpha * 3 / M * std::max(0.0, 1 - drained);
 }
 
 // Volume by pressure with which a group ties changes of q at its nodes, over its own [1/Pa].
@@ -331,7 +333,7 @@ bool SeepageForces<dim>::evaluate_groups(const Trial& trial, BlockMatrix<block_s
   for (auto* values : {&f_, &r_, &squeezed_, &seeped_, &left_, &f_pool_}) {
     std::fill(values->begin(), values->end(), 0.0);
   }
-  weight_work_ = outflow_ = inflow_work_ = rain_in_ = rain_run_off_ = 0;
+  weight_work_ = outflow_ = inflow_work_ = rain_in_ = rain_run_off_ = leaving_ = 0;
   Group work;
   for (const std::int32_t g : groups_) {
     const CellGroup& group = parts_.weights.groups[g];
@@ -345,6 +347,12 @@ bool SeepageForces<dim>::evaluate_groups(const Trial& trial, BlockMatrix<block_s
     }
     if (K) add_stiffness(group, work);
     if (!outlets_.empty()) add_outflow(group, work, K != nullptr);
+    if (inlets_) {
+      const auto fed = inlets_->add(group, work.q.data(), work.active.data(), r_);
+      outflow_ -= fed.volume;
+      leaving_ += fed.leaving;
+      inflow_work_ += fed.work;
+    }
     if (K) K->add_cell(g, work.K.data());
   }
   for (std::size_t i = 0; i < gone_.size(); ++i) r_[i] += gone_[i];

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/mechanics/petsc/block_matrix.hpp"
 #include "mpm_solver/grid/outer_point.hpp"
 #include "mpm_solver/points/pool.hpp"
+#include "mpm_solver/stress/seepage_inlets.hpp"
 #include "mpm_solver/stress/stress_parts.hpp"
 
 namespace gabion::mpm {
@@ -56,6 +59,9 @@ class SeepageForces {
   /// directions, by the difference of the pressures. Replaces earlier outlets.
   void open(const BackgroundGrid<dim>& grid, std::span<const OuterPoint<dim>> surface);
 
+  /// Let water enter at these places.
+  void feed(SeepageInlets<dim> inlets) { inlets_.emplace(std::move(inlets)); }
+
   /// Unknowns of a trial state.
   struct Trial {
     std::span<const double> du;  ///< num_nodes x dim [m]
@@ -71,7 +77,8 @@ class SeepageForces {
   /// Forces of the accepted pressures, those of du = 0. Replaces forces().
   void find_start_forces();
   /// Let the next evaluations continue from the last one, over another dt: what seeped and left so
-  /// far remains. @pre one rank, neither pools nor rain
+  /// far remains. @pre one rank. Of rain and of
+  /// the work of pools each evaluation has that of its own dt
   void carry_on();
   /// Outlets that changed since the last call, or since the last evaluation with K.
   std::vector<OutletChange> take_outlet_changes();
@@ -82,13 +89,20 @@ class SeepageForces {
   const std::vector<double>& volumes() const { return r_; }
   /// Work of the pools' pressure on the skeleton as it moves, of this rank [J].
   double pool_work(std::span<const double> du) const;
-  /// Force of the pools on the skeleton, of this rank [N].
+  /// Forces of the pools on the skeleton, num_nodes x dim, of this rank [N]; empty without pools.
+  const std::vector<double>& pool_forces() const { return f_pool_; }
+  /// Their sum [N].
   Vector<dim> pool_force() const;
-  /// Work of pools on the water that comes in, less that of what leaves into them, in the last
-  /// evaluation, of this rank [J].
+  /// Work on the water that comes in from pools and fed sides, less that of what leaves there, in
+  /// the last evaluation, of this rank [J].
   double inflow_work() const { return inflow_work_; }
-  /// Volume of water that leaves at the points of open(), in the last evaluation [m^3].
+  /// Volume of water that leaves at the points of open(), less what enters through fed sides, in
+  /// the last evaluation [m^3].
   double outflow() const { return outflow_; }
+  /// Volume of the water that leaves there, without what enters, of this rank [m^3].
+  double leaving() const { return leaving_; }
+  /// Pressures of the entries in the last evaluation, 0 where no water drains [Pa].
+  const std::vector<double>& pressures() const { return p_; }
   /// From now on keep the places where water leaves during a solution, since Newton's method may
   /// fail to converge over that kink.
   void hold_outlets() { hold_ = true; }
@@ -148,7 +162,6 @@ class SeepageForces {
   void list_pool_pressures();
   bool evaluate_groups(const Trial& trial, BlockMatrix<block_size>* K, RefusedPoint& worst);
   double tie_of_nodes(const CellGroup& group) const;
-  double stabilisation(std::int32_t body) const;
   double give_water(std::int32_t body, std::int32_t entry);
   void gather(const CellGroup& group, const Trial& trial, Group& work) const;
   static void bear(const PoreWater& water, Work& point);
@@ -167,7 +180,9 @@ class SeepageForces {
   SeepageStepData<dim> step_;
   double modulus_ = 0;
   double weight_work_ = 0, outflow_ = 0, inflow_work_ = 0, rain_in_ = 0, rain_run_off_ = 0;
-  std::vector<Outlet> outlets_;       // ascending entries
+  double leaving_ = 0;
+  std::vector<Outlet> outlets_;  // ascending entries
+  std::optional<SeepageInlets<dim>> inlets_;
   bool hold_ = false;                 // see hold_outlets()
   std::vector<std::int32_t> groups_;  // of the weights, those of bodies that drain
   std::vector<double> tau_st_;        // of each body [1/Pa]

@@ -14,18 +14,6 @@ namespace {
 // cell outside of the surface.
 constexpr double surface_mobility = 50;
 
-// Area of the surface of a point. Of each column or row of the points' domains, whichever is
-// steeper to the surface, one point is at the surface, so the areas seen along an axis add up to
-// the whole. Points without domains are cubes.
-template <int dim>
-double surface_area(const MaterialPoints<dim>& points, const OuterPoint<dim>& at) {
-  if (points.half_length.empty()) return at.area;
-  const Vector<dim> sides = 2 * points.half_length[at.point];
-  int across = 0;
-  at.n.cwiseProduct(sides).cwiseAbs().maxCoeff(&across);
-  return sides.prod() / sides[across] / std::abs(at.n[across]);
-}
-
 }  // namespace
 
 template <int dim>
@@ -75,12 +63,14 @@ template <int dim>
 bool SeepageForces<dim>::follows_pressure(const Outlet& outlet, double& volume) {
   if (outlet.outside != 0) {
     outflow_ += volume;
+    leaving_ += std::max(0.0, volume);
     inflow_work_ -= volume * outlet.outside;
     return true;
   }
   const bool follows = hold_ || outlet.rain > 0 ? outlet.full : volume > 0;
   if (!follows) volume = -outlet.rain;
   outflow_ += std::max(0.0, volume);
+  leaving_ += std::max(0.0, volume);
   const double taken = std::max(0.0, -volume);
   rain_in_ += taken;
   rain_run_off_ += outlet.rain - taken;

@@ -218,9 +218,8 @@ double change_volume(const LawInStep<Law, dim>& law, double d, std::int32_t p,
       const Vector<dim>& x = points.x[p];
       return fmt::format(
           "material point {} at ({:.6g}): its UMAT gives no stress for a volumetric strain of "
-          "{:.3g} "
-          "in no time (DTIME 0), which F-bar asks for where points enter other cells; \"locking\": "
-          "{{\"method\": \"none\"}} does not",
+          "{:.3g} in zero time (DTIME 0), which F-bar needs where points enter other cells; "
+          "\"locking\": {{\"method\": \"none\"}} does not",
           points.id[p], fmt::join(x.data(), x.data() + dim, ", "), d);
     });
   } else {

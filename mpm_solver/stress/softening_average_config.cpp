@@ -32,8 +32,8 @@ double extent(const BackgroundGrid<dim>& grid, std::int32_t cell) {
 KeyTable softening_average_keys() {
   return {
       "softening_average",
-      "Over-nonlocal softening, for studies of grids: bands of shear have a width of their own, "
-      "4.71 `length` with `weight` 2, in whatever direction the grid lies.",
+      "Over-nonlocal softening, for studies of grids: shear bands are 4.71 `length` wide with "
+      "`weight` 2, whatever the direction of the grid.",
       {key::number("length", "m",
                    "Internal length; at least 1.5 times the extent of a cell along an axis.")
            .in(positive()),
@@ -70,7 +70,8 @@ void require_resolved(const SofteningAverage& average, const BackgroundGrid<dim>
   require<ConfigError>(average.length >= least_length * widest * (1 - 1e-9), [&] {
     return fmt::format(
         "{}/softening_average/length: found {:.6g} m with cells up to {:.4g} m wide, allowed: at "
-        "least {:.4g} m, {} times that, or smaller cells: below that the grid is the length",
+        "least {:.4g} m, {} times that, or smaller cells: below that the cells set the width of "
+        "shear bands",
         where, average.length, widest, least_length * widest, least_length);
   });
 }
@@ -84,8 +85,8 @@ void require_falling(const StrengthCurve& curve, const std::function<std::string
     require<ConfigError>(!rises, [&] {
       return fmt::format(
           "{}: found a strength that rises with the slip, at {:.4g} m, with a softening_average, "
-          "allowed: cohesion and friction that only fall; soil that hardens first would soften at "
-          "each point alone",
+          "allowed: cohesion and friction that only fall; in soil that hardens first, points would "
+          "soften one by one",
           where(), x);
     });
     before = now;

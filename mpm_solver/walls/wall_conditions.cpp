@@ -173,8 +173,8 @@ std::vector<std::string> WallConditions<dim>::corner_warnings() const {
                                    : fmt::format("{:.3g} to {:.3g}", corner.least, corner.largest);
     warnings.push_back(fmt::format(
         "{}: {} {} {} degrees at {} grid nodes, the first at ({:.6g}): soil cannot slide across "
-        "this corner; within one group a bend below {} degrees is none, and one of \"rigid_walls\" "
-        "holds at no corner",
+        "this corner; within one group a bend below {} degrees does not hold soil, and one of "
+        "\"rigid_walls\" holds at no corner",
         wall.where, what, bends ? "by" : "at", angles, corner.num_nodes,
         fmt::join(corner.place.data(), corner.place.data() + dim, ", "), corner_angle));
   }
@@ -291,8 +291,8 @@ void WallConditions<dim>::require_agreement(const Repetition& repetition, double
   const Hold& hold = repetition.hold;
   if (std::abs(hold.n.dot(node.w - steps_[hold.wall])) <= tolerance) return;
   throw ConfigError(fmt::format(
-      "{}: found a motion of \"{}\" from {} s on that \"{}\", which holds grid node {} in the "
-      "same direction, does not take part in, allowed: equal motions where walls meet",
+      "{}: found a motion of \"{}\" from {} s on that differs from that of \"{}\", which holds "
+      "grid node {} in the same direction, allowed: equal motions where walls meet",
       walls_[hold.wall].where, walls_[hold.wall].group, time, walls_[node.holds[0].wall].group,
       node.grid_node));
 }

@@ -20,6 +20,8 @@ struct WallSettings {
   std::string where;     ///< file and pointer, for messages
   WallMotion motion;     ///< prescribed; the facets stay where the grid has them
   bool drained = false;  ///< pore water passes it, with the pressure of water at rest outside
+  double inflow = 0;     ///< pore water that enters the soil there, by area [m/s]
+  std::string where_inflow{};  ///< file and pointer, for messages
 };
 
 /// Conditions of walls at grid nodes: the directions in which a node may move, the range of the
@@ -27,7 +29,7 @@ struct WallSettings {
 template <int dim>
 class WallConditions {
  public:
-  /// Where walls meet, fixed ones come first, then those listed first: a later wall adds only the
+  /// Fixed walls prevail where walls meet, then those listed first: a later wall adds only the
   /// directions that are still free. Pieces of slip walls that lie within flush_angle of each other
   /// hold one direction, their mean by area, which counts for the wall listed first.
   WallConditions(const BackgroundGrid<dim>& grid, const std::vector<WallSettings>& walls);

@@ -32,8 +32,8 @@ KeyTable wall_motion_keys() {
       "Displacement of a wall; its facets stay where the grid has them.",
       {key::vector("velocity", "m/s", "The displacement is this times t.").or_none(),
        key::rows("table", "s, m",
-                 "Rows [t, ux, uy(, uz)], t increasing, linear between rows and held before and "
-                 "after.")
+                 "Rows [t, ux, uy(, uz)], t increasing, linear between rows and constant before "
+                 "and after.")
            .wide(3, 4)
            .not_empty()
            .or_none()},

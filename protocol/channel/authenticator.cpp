@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "common/base/interrupt.hpp"
+#include "protocol/channel/keys.hpp"
 
 namespace gabion {
 namespace {
 
-constexpr std::chrono::milliseconds slice(50);
-constexpr std::size_t key_bytes = 32;
+constexpr std::chrono::milliseconds question_period(50);
 
 std::string z85(const zmq::message_t& key) {
   std::array<char, key_bytes * 5 / 4 + 1> text{};
@@ -40,7 +40,7 @@ void Authenticator::run() {
   while (!stopping_) {
     try {
       zmq::pollitem_t item{socket_.handle(), 0, ZMQ_POLLIN, 0};
-      if (zmq::poll(&item, 1, slice) > 0) answer_one();
+      if (zmq::poll(&item, 1, question_period) > 0) answer_one();
     } catch (const zmq::error_t&) {
       // The process that asked gets no answer, so it is not admitted.
     }

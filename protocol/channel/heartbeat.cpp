@@ -10,13 +10,13 @@
 
 #include "common/base/interrupt.hpp"
 #include "common/base/printable.hpp"
+#include "protocol/channel/own_sleep.hpp"
 #include "protocol/wire/codec.hpp"
 
 namespace gabion {
 namespace {
 
-constexpr double slice = 0.1;         // [s] between two polls
-constexpr double own_sleep = 1.0;     // [s] for a slice: this process did not run
+constexpr double poll_period = 0.1;   // [s]
 constexpr double grace = 1.0;         // [s] for a computation to end by itself
 constexpr double output_grace = 30.;  // [s] for files to be completed
 
@@ -58,7 +58,7 @@ void Heartbeat::run() {
   Stopwatch since_look;
   send_alive();
   std::unique_lock lock(mutex_);
-  while (!changed_.wait_for(lock, std::chrono::duration<double>(std::min(slice, interval_)),
+  while (!changed_.wait_for(lock, std::chrono::duration<double>(std::min(poll_period, interval_)),
                             [this] { return stopping_; })) {
     const bool due = since_beat.seconds() >= interval_;
     lock.unlock();
@@ -119,7 +119,7 @@ void Heartbeat::check_coupler(double slept) {
     silence_deadline = silence_deadline_;
   }
   if (!coupler || !settings_.exit_when_coupler_is_lost) return;
-  if (slept > own_sleep) coupler->forgive();
+  if (slept > longest_slice) coupler->forgive();
   auto loss = coupler->death();
   if (!loss) loss = coupler->silence(silence_deadline);
   if (!loss || !busy) {

@@ -21,7 +21,6 @@ namespace gabion {
 namespace {
 
 constexpr std::size_t key_length = 40;
-constexpr std::size_t key_bytes = 32;
 using KeyText = std::array<char, key_length + 1>;
 
 const std::string secret_tag = "gabion-secret-key ";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <set>
 #include <string>
@@ -10,6 +11,8 @@ namespace gabion {
 /// Keys of CURVE (Curve25519) as 40 characters of Z85 (ZeroMQ RFC 26 and 32). In a file, a line
 /// each: `gabion-secret-key KEY` or `gabion-public-key KEY`; empty lines and those after `;` do not
 /// count.
+
+inline constexpr std::size_t key_bytes = 32;  ///< of a key, before it is text
 
 /// Keys with which the coupler admits the participants that it knows.
 struct ServerKeys {

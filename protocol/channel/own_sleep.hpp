@@ -11,6 +11,11 @@
 
 namespace gabion {
 
+// A wait for a peer goes by slices, after which the peer's health is looked at.
+inline constexpr int slice_milliseconds = 100;       // a death is noticed after one
+inline constexpr double health_check_period = 0.05;  // [s]
+inline constexpr double longest_slice = 1;           // [s], longer: this process did not run
+
 /// Notices that this process did not run: it was suspended, or the machine had no time for it.
 /// Complaints of peers after that are its consequence. Safe to use from several threads.
 class OwnSleep {
@@ -20,7 +25,7 @@ class OwnSleep {
     const std::lock_guard lock(mutex_);
     const double gap = since_tick_.seconds();
     since_tick_ = Stopwatch();
-    if (gap < least) return;
+    if (gap < longest_slice) return;
     last_ = gap;
     since_sleep_ = Stopwatch();
   }
@@ -30,11 +35,10 @@ class OwnSleep {
     const std::lock_guard lock(mutex_);
     const double gap = since_tick_.seconds();
     const double last = since_sleep_.seconds() < moment ? last_ : 0;
-    return std::max(gap < least ? 0 : gap, last);
+    return std::max(gap < longest_slice ? 0 : gap, last);
   }
 
  private:
-  static constexpr double least = 1;    // [s] between two ticks
   static constexpr double moment = 10;  // [s]
 
   mutable std::mutex mutex_;
@@ -47,8 +51,8 @@ class OwnSleep {
 /// did not run for long, and it must not blame them. @param reason  the one that it would give
 inline std::string after_own_sleep(double seconds, const std::string& reason) {
   return fmt::format(
-      "the coupler's own process did not run for {:.1f} s: it was stopped, or the machine had no "
-      "time for it; then {}",
+      "the coupler's own process did not run for {:.1f} s: it was stopped, or the machine was too "
+      "busy; then {}",
       seconds, reason);
 }
 

@@ -279,8 +279,8 @@ std::optional<Socket::Refusal> Socket::refusal() {
     std::memcpy(&value, event.data<char>() + sizeof kind, sizeof value);
     if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
       last = {
-          "it does not know this participant's key: its public key has to stand in the "
-          "coupler's protocol/security/clients_file",
+          "it does not know this participant's key: its public key must be in the coupler's "
+          "protocol/security/clients_file",
           true};
     } else if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL &&
                value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH) {

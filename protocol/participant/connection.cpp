@@ -13,15 +13,13 @@
 #include "common/run/facets.hpp"
 #include "common/run/start.hpp"
 #include "gabion_version.hpp"
+#include "protocol/channel/own_sleep.hpp"
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/exchange.hpp"
 
 namespace gabion {
 namespace {
 
-constexpr int slice_milliseconds = 100;
-constexpr double health_check_period = 0.05;  // [s]
-constexpr double own_sleep = 1.0;             // [s] between two checks: this process did not run
 constexpr int last_words_milliseconds = 300;  // for what a coupler said before it went
 
 std::string random_text() {
@@ -225,7 +223,7 @@ std::optional<Connection::Request> Connection::look_after_coupler(bool was_silen
   const int signal = interrupt::requested();
   if (elapsed < health_check_period && signal == 0) return std::nullopt;
   since_health_check_ = Stopwatch();
-  if (elapsed > own_sleep) coupler_->forgive();
+  if (elapsed > longest_slice) coupler_->forgive();
   const bool ends = signal != 0 && !waits_for_last_checkpoint();
   if (ends || coupler_->death()) {
     // A launcher that saw another process die sends the signal before the coupler can explain.

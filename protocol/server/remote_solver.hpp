@@ -40,7 +40,7 @@ class RemoteSolver : public AsynchronousSolver,
   InterfaceValues start_displacements() const override { return hello_.start; }
   bool takes_start() const override { return hello_.takes_start; }
   void set_start(const InterfaceValues& displacements) override;
-  /// As the participant told in its last answers.
+  /// The facets that the participant told in its last answers.
   InterfaceFacets facets() const override { return facets_; }
   bool takes_facets() const override { return hello_.takes_facets; }
   void set_facets(const InterfaceFacets& facets) override;

@@ -58,20 +58,23 @@ KeyTable server_keys() {
       "security",
       "Keys of CurveZMQ: only participants with a known key may connect, and all is encrypted.",
       {key::text("key_file",
-                 "Secret key of the coupler, relative to the scene; a file that others may read is "
-                 "refused."),
+                 "File of the coupler's secret key, relative to the scene; refused if others may "
+                 "read it."),
        key::text("clients_file",
-                 "Public keys of those that may connect, one or more, relative to the scene.")}};
+                 "File of the public keys of those that may connect, one or more; relative to the "
+                 "scene.")}};
   KeyTable table{"protocol",
                  "Where the coupler listens and how long each wait lasts at most.",
                  {key::text("endpoint",
-                            "Where to listen; `*` takes a free port, other machines need "
-                            "tcp://0.0.0.0:PORT or an address of this one.")
+                            "Address where the coupler listens. `*` takes a free port; "
+                            "participants on other machines need tcp://0.0.0.0:PORT or an address "
+                            "of this machine.")
                       .or_else(ServerSettings{}.endpoint)}};
   for (const Key& key : deadline_keys()) table.keys.push_back(key);
-  table.keys.push_back(
-      key::object("security", security, "Without it anybody may connect, and nothing is encrypted.")
-          .or_none());
+  table.keys.push_back(key::object("security", security,
+                                   "Keys and encryption; none: anybody may connect, and "
+                                   "nothing is encrypted.")
+                           .or_none());
   return table;
 }
 
@@ -196,9 +199,10 @@ std::unique_ptr<Solver> Server::greet(const std::string& route, Hello hello,
                         .process = hello.process,
                         .sends_heartbeat = hello.sends_heartbeat},
                        to_message(welcome));
-  log::info(
-      "{} is here{}", label,
-      hello.scene_hash.empty() ? ": it gives no scene hash, its settings are not compared" : "");
+  log::info("{} is here{}", label,
+            hello.scene_hash.empty() ? ": it gives no hash of its scene, so its settings are not "
+                                       "compared"
+                                     : "");
   return std::make_unique<RemoteSolver>(switchboard_, std::move(hello));
 }
 

@@ -13,13 +13,10 @@
 namespace gabion {
 namespace {
 
-constexpr int slice_milliseconds = 100;       // length of a slice: a death is noticed after one
-constexpr double health_check_period = 0.05;  // [s]
 constexpr int patient_looks = 4;  // polls in which others were heard, until one counts as silent
 constexpr double last_words_wait = 0.5;  // [s] until the connection of a process that ended closes
 constexpr double closing_wait = 1.0;     // [s] until a process ends that closed its connection
 constexpr double wait_log_period = 3;    // [s]
-constexpr double own_sleep = 1.0;        // [s] between two checks: this process did not run
 constexpr int most_messages_a_pass = 256;
 constexpr double longest_pass = 0.1;  // [s]
 
@@ -306,7 +303,7 @@ bool Switchboard::listen(const Peer* awaited, Attention::Seconds look) {
   const double elapsed = since_health_check_.seconds();
   if (has_answered() || (elapsed < health_check_period && !ends)) return came;
   since_health_check_ = Stopwatch();
-  if (elapsed > own_sleep) {
+  if (elapsed > longest_slice) {
     for (auto& [name, checked] : peers_) checked.watch->forgive();
   }
   check_deaths(awaited);

@@ -13,15 +13,16 @@ std::vector<Key> deadline_keys() {
     return key::number(name, "s", sentence).in(positive()).or_else(fallback);
   };
   return {
-      seconds("connect_deadline", defaults.connect, "Until every participant has connected."),
+      seconds("connect_deadline", defaults.connect,
+              "Time within which every participant has to connect."),
       seconds(
           "silence_deadline", defaults.silence,
-          "Without any sign of life the other side is dead, frozen or unreachable; at least twice "
+          "Time without a sign of life after which another program counts as dead; at least twice "
           "`heartbeat`. Holds for the participants too."),
       seconds("answer_deadline", defaults.answer,
-              "A participant is alive, but one request is not answered."),
+              "Longest time that a participant that is alive may take to answer one request."),
       seconds("idle_deadline", defaults.idle,
-              "A participant waits so long for a request of a coupler that is alive."),
+              "Longest time that a participant waits for a request of a coupler that is alive."),
       seconds("heartbeat", defaults.heartbeat, "Time between two signs of life.")};
 }
 

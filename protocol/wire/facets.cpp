@@ -48,4 +48,15 @@ InterfaceFacets read_facets(const Message& message, const std::vector<InterfaceM
   return facets;
 }
 
+void SentFacets::put_changed(Message& accepted, const std::vector<InterfaceMesh>& interfaces,
+                             const InterfaceFacets& now) {
+  InterfaceFacets changed = now;
+  std::erase_if(changed, [&](const auto& entry) {
+    const auto before = sent_.find(entry.first);
+    return before != sent_.end() && before->second == entry.second;
+  });
+  put_facets(accepted, interfaces, changed);
+  for (auto& [name, facets] : changed) sent_[name] = std::move(facets);
+}
+
 }  // namespace gabion

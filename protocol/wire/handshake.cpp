@@ -16,6 +16,8 @@
 namespace gabion {
 namespace {
 
+constexpr auto scene_hash = "scene hash";
+
 Json to_json(const Quantity& quantity) {
   return {{"quantity", quantity.name}, {"unit", quantity.unit}};
 }
@@ -274,7 +276,7 @@ std::vector<Mismatch> compare(const Expected& expected, const Hello& hello) {
   };
   check(expected.scene_hash.empty() || hello.scene_hash.empty() ||
             expected.scene_hash == hello.scene_hash,
-        "scene hash", expected.scene_hash, hello.scene_hash);
+        scene_hash, expected.scene_hash, hello.scene_hash);
   check(expected.dimension == 0 || expected.dimension == hello.dimension, "dimension",
         std::to_string(expected.dimension), std::to_string(hello.dimension));
   check(expected.receives == hello.receives, "quantity that the participant receives",
@@ -295,6 +297,9 @@ std::string mismatch_text(const std::vector<Mismatch>& mismatches) {
     text += fmt::format("{}{}: coupler {}, participant {}", text.empty() ? "" : "; ", m.what,
                         m.coupler.empty() ? "\"\"" : m.coupler,
                         m.participant.empty() ? "\"\"" : m.participant);
+    if (m.what == scene_hash) {
+      text += " (all programs of a run take the same scene and the same --set)";
+    }
   }
   return text;
 }

@@ -15,7 +15,7 @@ from fitting.bounds import Sought, read_sought
 from sampling.reader import PlanError, PlanReader, read_object
 
 KEYS = ("material", "water", "scene", "body", "parameters", "tests", "samples", "polished", "seed", "robust")
-NUMBERS = ("confine", "strain", "stress", "hold", "back_pressure", "band_width", "duration")
+NUMBERS = ("confine", "ocr", "strain", "stress", "hold", "back_pressure", "band_width", "duration")
 TEST_KEYS = ("name", "lab", "test", "over", "undrained", "increments", *NUMBERS)
 
 
@@ -132,6 +132,7 @@ def _test(k: int, reader: PlanReader, folder: Path) -> LabTest:
     if over not in measured.columns or len(measured.columns) < 2:
         raise ElementError(f"{measured.path}: found {', '.join(measured.columns)}, allowed: {over} "
                            "(or another \"over\") and at least one column beside it")
+    _require_ascending(measured, over)
     given = {key: reader.real(key) for key in NUMBERS if key in reader.values}
     end = float(np.max(measured.columns[over]))
     if over in ("eps_a", "gamma"):
@@ -150,6 +151,15 @@ def _test(k: int, reader: PlanReader, folder: Path) -> LabTest:
         if not test.scale(column) > 0:
             raise ElementError(f"{measured.path}: found the same {column} in all rows, allowed: a curve")
     return test
+
+
+def _require_ascending(measured: LabTable, over: str) -> None:
+    """@raises ElementError  a row whose abscissa does not lie above that of the row before"""
+    at = measured.columns[over]
+    for row in np.flatnonzero(np.diff(at) <= 0)[:1] + 1:
+        raise ElementError(f"{measured.path}: row {row + 1}: found {over} {at[row]:.9g} after {at[row - 1]:.9g} (SI "
+                           f"units), allowed: {over} that ascends from row to row; another loading is a table of its "
+                           "own")
 
 
 def _usual_abscissa(kind: str) -> str:

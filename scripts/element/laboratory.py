@@ -21,6 +21,7 @@ class Options:
     """Data of a test. None: not given."""
 
     confine: float | None = None  #: effective stress after consolidation [Pa]
+    ocr: float | None = None  #: over-consolidation ratio after it
     strain: float | None = None  #: axial strain or angle of shear at the end, or amplitude of the cycles
     stress: float | None = None  #: effective axial stress at the end, of creep: deviator [Pa]
     unload: float | None = None  #: effective axial stress after unloading [Pa]
@@ -48,7 +49,8 @@ def _stage(name: str, options: Options, **keys: object) -> dict:
 
 def _consolidation(options: Options, *components: str) -> dict:
     stage = {"name": CONSOLIDATION, "increments": CONSOLIDATION_INCREMENTS,
-             "stress": dict.fromkeys(components, options.confine + options.back)}
+             "stress": dict.fromkeys(components, options.confine + options.back),
+             "ocr": 1 if options.ocr is None else options.ocr}
     return stage | ({} if options.duration is None else {"duration": options.duration})
 
 
@@ -132,13 +134,13 @@ _ANY = ("back_pressure", "band_width", "duration", "increments")
 TESTS: dict[str, tuple[Callable[[Options], list[dict]], tuple[str, ...], tuple[str, ...]]] = {
     "isotropic": (isotropic, ("stress",), ("unload",)),
     "oedometer": (oedometer, ("stress",), ("unload",)),
-    "triaxial": (triaxial, ("confine", "strain"), ("undrained", "cycles")),
-    "plane_strain": (plane_strain, ("confine", "strain"), ("undrained", "cycles")),
-    "constant_p": (constant_p, ("confine", "strain"), ("cycles",)),
-    "simple_shear": (simple_shear, ("confine", "strain"), ("undrained", "cycles")),
-    "direct_shear": (direct_shear, ("confine", "strain", "band_width"), ("cycles",)),
-    "creep": (creep, ("confine", "stress", "hold"), ("undrained",)),
-    "relaxation": (relaxation, ("confine", "strain", "hold"), ("undrained",)),
+    "triaxial": (triaxial, ("confine", "strain"), ("ocr", "undrained", "cycles")),
+    "plane_strain": (plane_strain, ("confine", "strain"), ("ocr", "undrained", "cycles")),
+    "constant_p": (constant_p, ("confine", "strain"), ("ocr", "cycles")),
+    "simple_shear": (simple_shear, ("confine", "strain"), ("ocr", "undrained", "cycles")),
+    "direct_shear": (direct_shear, ("confine", "strain", "band_width"), ("ocr", "cycles")),
+    "creep": (creep, ("confine", "stress", "hold"), ("ocr", "undrained")),
+    "relaxation": (relaxation, ("confine", "strain", "hold"), ("ocr", "undrained")),
 }
 SHEAR_TESTS = ("simple_shear", "direct_shear")
 COMPRESSION_TESTS = ("isotropic", "oedometer")

@@ -97,8 +97,7 @@ def read_fit(path: Path, content: dict) -> FitPlan:
         if each.name in (*COLUMNS, MISFIT):
             raise PlanError(f"{each.where}: found the name {each.name}, allowed: none of "
                             f"{', '.join((*COLUMNS, MISFIT))}")
-    require_apart(parameters)
-    _require_once(settings, parameters)
+    require_apart(parameters, settings)
     data = [read_data(name, each, path.parent, dimension) for name, each in asked.items()]
     if not data:
         raise fit.fail("data", "an object with at least one data set")
@@ -121,15 +120,6 @@ def _dimension(scene: Path, where: str, wanted: bool) -> int:
         return found["mpm.json:/dimension"] if wanted else 0
     except SettingError as error:
         raise PlanError(f"{where}: {error}") from error
-
-
-def _require_once(settings: dict[str, Any], parameters: list[FitParameter]) -> None:
-    """@raises PlanError  a setting of the plan that a parameter would overwrite"""
-    for each in parameters:
-        for path in sorted(each.all_paths):
-            if any(own == path or own.startswith(f"{path}/") for own in settings):
-                raise PlanError(f"{each.where}/set: found {path}, which \"settings\" of the plan sets too, allowed: "
-                                "one of both")
 
 
 def _read_parameter(name: str, reader: PlanReader) -> FitParameter:

@@ -106,6 +106,8 @@ def _require_once(at: np.ndarray, over: tuple[str, ...], table: MeasuredTable, w
     """Refuse a place or time that comes twice, which would count twice."""
     _, first, count = np.unique(at, axis=0, return_index=True, return_counts=True)
     if (count > 1).any():
-        place = ", ".join(f"{name} {value:.9g}" for name, value in zip(over, at[first[np.argmax(count > 1)]]))
-        raise PlanError(f"{where}/file: {table.path}: found {place} (SI units) twice, allowed: once; what was measured "
-                        "again is a data set of its own")
+        twice = at[first[np.argmax(count > 1)]]
+        place = ", ".join(f"{name} {value:.9g}" for name, value in zip(over, twice))
+        row = np.flatnonzero((at == twice).all(axis=1))[1] + 1
+        raise PlanError(f"{where}/file: {table.path}: row {row}: found {place} (SI units) twice, allowed: once; what "
+                        "was measured again is a data set of its own")

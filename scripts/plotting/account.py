@@ -11,7 +11,8 @@ NUMBER = re.compile(r"(?<![\w\"])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)")
 FINE = ("converged", "inactive", "explicit")  # of steps.csv: status
 # Columns of probes.csv, behind the name of the participant, that are kept.
 LEDGER = re.compile(r"(?:^|\.)(mass|gravity_work|boundary_work|external_work|kinetic_energy|elastic_energy"
-                    r"|damping_work|energy_balance|created_energy|contact_created|momentum_(?:error_)?[xyz])$")
+                    r"|damping_work|plastic_work|damage_work|brake_work|failed_energy"
+                    r"|energy_balance|created_energy|contact_created|momentum_(?:error_)?[xyz])$")
 
 
 def number(row: Row, name: str) -> float:

@@ -268,6 +268,11 @@ class Results:
         return [self.contacts[name] for name in names if name in self.contacts]
 
     @property
+    def lines(self) -> list[Series]:
+        """Lines of each fem_solver, such as ropes, bars and beams, in the order of their folders."""
+        return [Series(path) for path in sorted(self.folder.glob("*/lines.xdmf"))]
+
+    @property
     def structures(self) -> list[Series]:
         """Results of each fem_solver, in the order of their folders."""
         return [Series(path) for path in sorted(self.folder.glob("*/structure.xdmf"))]

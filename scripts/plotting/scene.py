@@ -36,6 +36,7 @@ UNITS = {
 }
 
 BOULDER = (0.55, 0.5, 0.46)  # colour of boulders
+LINES = "#1A1A1A"  # colour of ropes, bars and beams
 TALL = 5.5  # height over which instants stand in pairs [inch]
 SAMPLES = 9  # frames of a series that window and colours are chosen by
 
@@ -86,6 +87,7 @@ class ScenePlot:
         self.soil = results.soil if self.first else None
         self.structures = results.structures
         self.beam_surfaces = results.beam_surfaces
+        self.lines = results.lines
         self.rigid_walls = Walls(results)
         self.boulders = Boulders(results)
         series = next((s for s in (self.soil, *self.structures) if s), None)
@@ -195,6 +197,15 @@ class ScenePlot:
             else:
                 axes.add_collection(PolyCollection(facets, facecolor=(0.74, 0.74, 0.74, 0.7), edgecolor="none"))
 
+    def _draw_lines(self, axes: Axes, time: float) -> None:
+        """Ropes, bars and beams, over all else: they are thinner than a stroke."""
+        for series in self.lines:
+            frame = series.frame(series.nearest(time))
+            axes.add_collection(LineCollection(self._project(frame.points)[frame.cells], colors=LINES, linewidths=0.9))
+
+    def _project(self, points: np.ndarray) -> np.ndarray:
+        return self.view.project(points)
+
     def wall_lines(self, time: float) -> list[tuple[np.ndarray, np.ndarray]]:
         """Segments of each rigid wall that acts at `time`, and the strokes behind them."""
         window = (self.high - self.low).max()
@@ -221,6 +232,7 @@ class ScenePlot:
         self._draw_beams(axes, time)
         self._draw_walls(axes, instant)
         self._draw_boulders(axes, instant)
+        self._draw_lines(axes, time)
         axes.set_aspect("equal")
         axes.set_xlim(self.low[0], self.high[0])
         axes.set_ylim(*((self.high[1], self.low[1]) if self.view.inverted else (self.low[1], self.high[1])))

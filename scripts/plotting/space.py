@@ -13,7 +13,7 @@ from matplotlib.collections import PolyCollection
 
 from plotting.ground import FLOOR, ground_of
 from plotting.results import Results, ResultsError, Series, evenly
-from plotting.scene import DISC, ScenePlot, label_of, scalar
+from plotting.scene import BOULDER, DISC, ScenePlot, label_of, scalar
 from plotting.style import new_figure, plt, save
 from plotting.surface import surface_of
 from plotting.view import FACES, outer_faces
@@ -131,6 +131,9 @@ class SpacePlot(ScenePlot):
         margin = 0.03 * np.ptp(seen, axis=0).max()
         self.low, self.high = seen.min(axis=0) - margin, seen.max(axis=0) + margin
 
+    def _project(self, points: np.ndarray) -> np.ndarray:
+        return self.camera.project(points)
+
     def _wall_collection(self) -> PolyCollection | None:
         tiles = [wall for wall in self.walls if normals_of(wall)[0] @ self.camera.eye > 0]
         if not tiles:
@@ -181,6 +184,8 @@ class SpacePlot(ScenePlot):
         solids = [self._structure_faces(structure, time) for structure in self.structures]
         for faces in (*solids, *self._beam_faces(time)):
             parts.append((faces, np.tile(STEEL, (len(faces), 1)), normals_of(faces)))
+        for faces in self.boulders.at(self.times[np.argmin(np.abs(self.times - time))]):
+            parts.append((faces, np.tile(BOULDER, (len(faces), 1)), normals_of(faces)))
         walls = self._wall_collection()
         if walls is not None:
             axes.add_collection(walls)
@@ -194,6 +199,7 @@ class SpacePlot(ScenePlot):
         order = order[normals[order] @ self.camera.eye > 0]
         axes.add_collection(PolyCollection([self.camera.project(polygons[k]) for k in order], facecolors=shaded[order],
                                            edgecolors=shaded[order], linewidths=0.2))
+        self._draw_lines(axes, time)
         axes.set(aspect="equal", xlim=(self.low[0], self.high[0]), ylim=(self.low[1], self.high[1]))
         axes.set_axis_off()
         axes.set_title(f"t = {self.times[np.argmin(np.abs(self.times - time))]:.3g} s", loc="left")

@@ -34,7 +34,7 @@ def names_of(table: Table) -> list[str]:
 
 
 def slice_of(points: np.ndarray, size: float) -> np.ndarray:
-    """Which points lie in the vertical slice through the middle that is one distance of points thick; in a section
+    """Marks of the points in the vertical slice through the middle that is one distance of points thick; in a section
     all."""
     if points.shape[1] == 2:
         return np.ones(len(points), dtype=bool)

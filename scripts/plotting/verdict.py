@@ -15,6 +15,9 @@ from plotting.lock import Owner
 from plotting.words import count, duration, percent, seconds
 
 SLOW = 10  # medians from which on a step is slow
+# Columns of what a structure dissipates, and who does.
+SINKS = {"plastic_work": "plastic flow", "damage_work": "cracks", "brake_work": "brakes",
+         "failed_energy": "failed cells", "damping_work": "damping"}
 CLOSED, OPEN = 1e-3, 1e-2  # of the energy or momentum exchanged: closed below, open above
 
 
@@ -88,11 +91,11 @@ def _convergence(run: Run) -> Iterator[Statement]:
                         f"{bad['step']} at t = {float(bad['time']):.6g} s.")
         return
     if not steps.in_contact:
-        yield Statement("good", "convergence", "No contact so far: each step took one pass.")
+        yield Statement("good", "convergence", "No contact so far: each step took one coupling iteration.")
     elif steps.statuses["explicit"]:
         many = count(steps.statuses["explicit"], "step")
-        yield Statement("note", "convergence", f"Explicit: {many} in contact in one pass; nothing is iterated, so "
-                        "nothing says how well both sides agree.")
+        yield Statement("note", "convergence", f"Explicit: {many} in contact in one coupling iteration each; without "
+                        "iteration the agreement of soil and structure is not checked.")
     else:
         mean = steps.iterations_in_contact / steps.in_contact
         yield Statement("good", "convergence",
@@ -121,7 +124,7 @@ def _time(run: Run) -> Iterator[Statement]:
     if not total:
         return
     median = statistics.median(steps.wall)
-    text = f"A step took {seconds(total / steps.count)} on average, {seconds(median)} in the middle of all."
+    text = f"A step took {seconds(total / steps.count)} on average, {seconds(median)} in the median."
     if steps.awaited:
         shares = {name: sum(part[k] for part in steps.parts) / total for k, name in enumerate(steps.awaited)}
         waits = ", ".join(f"{name} {percent(share)}" for name, share in sorted(shares.items(), key=lambda s: -s[1]))
@@ -133,7 +136,7 @@ def _time(run: Run) -> Iterator[Statement]:
 
 
 def _slow_steps(run: Run, slow: list[int], share: str) -> str:
-    """Which steps are slow, and which participant was waited for. slow: their places in the rows."""
+    """Statement on slow steps and the participant that was waited for. slow: their places in the rows."""
     steps = run.account
     worst = max(slow, key=steps.wall.__getitem__)
     text = (f" {count(len(slow), 'slow step')}, over {SLOW} times that, took {share} of the time; the slowest "
@@ -162,36 +165,45 @@ def _soil(run: Run) -> Iterator[Statement]:
             made = max(ledger.size(prefix, "created_energy"), ledger.size(prefix, "contact_created")) / around
             closed = "closed" if max(error, made) < OPEN else "not closed"
             yield _judged("energy", max(error, made),
-                          f"Energy of {name}: {closed}. Of the {around:.3g} J{unit} that went around the balance "
-                          f"misses {percent(error)}, and {percent(made)} was created.")
+                          f"Energy of {name}: {closed}. Of the {around:.3g} J{unit} that were exchanged, "
+                          f"{percent(error)} are missing and {percent(made)} were created.")
         axes = [axis for axis in "xyz" if f"{prefix}momentum_error_{axis}" in ledger.first]
         of_energy = math.sqrt(2 * ledger.size(prefix, "mass") * around)  # soil at rest has next to no momentum
         moved = max(ledger.size(prefix, *(f"momentum_{axis}" for axis in axes)), of_energy)
         if moved > 0:
             error = ledger.size(prefix, *(f"momentum_error_{axis}" for axis in axes)) / moved
             closed = "closed" if error < OPEN else "not closed"
-            yield _judged("momentum", error, f"Momentum of {name}: {closed}. It misses {percent(error)} of "
-                          f"{moved:.3g} kg m/s{unit}, its largest or that of the energy that went around, sqrt(2 m E).")
+            yield _judged("momentum", error, f"Momentum of {name}: {closed}. Missing: {percent(error)} of {moved:.3g} "
+                          f"kg m/s{unit}, the largest momentum, or sqrt(2 m E) of the energy "
+                          "exchanged.")
 
 
 def _structures(run: Run) -> Iterator[Statement]:
-    """Kinetic and elastic energy against the work that came in: less is damping, more must not be."""
+    """Energy that a structure stores and dissipates against the work that came in: what is missing the time integration
+    damped, more must not be."""
     ledger, unit = run.ledger, run.ledger.per_metre
     for prefix in ledger.owners("external_work"):
-        around = ledger.size(prefix, "external_work", "kinetic_energy", "elastic_energy")
+        at_start = sum(ledger.first.get(prefix + part, 0) for part in ("kinetic_energy", "elastic_energy"))
+        around = max(at_start, ledger.size(prefix, "external_work"))
         if not around > 0:
             continue
-        kept = sum(ledger.last.get(prefix + part, 0) - ledger.first.get(prefix + part, 0)
-                   for part in ("kinetic_energy", "elastic_energy"))
-        column = f"{prefix}external_work"
-        gain = (kept - ledger.last[column] + ledger.first[column]) / around
+        changed = {part: (ledger.last.get(prefix + part, 0) - ledger.first.get(prefix + part, 0)) / around
+                   for part in ("external_work", "kinetic_energy", "elastic_energy", *SINKS)}
+        gain = sum(changed.values()) - 2 * changed["external_work"]
         name = prefix.rstrip(".") or "structure"
-        word = ("lost {} of the {:.3g} J{} that went around, by damping" if gain <= 0
-                else "has {} more than the {:.3g} J{} that came in").format(percent(abs(gain)), around, unit)
+        moves = ledger.size(prefix, "kinetic_energy") > 0
+        cause = "by its time integration" if moves else "by loads that act at once in steps of statics"
+        came_in = f"the {around:.3g} J{unit} that came in"
+        word = f"has {percent(gain)} more than {came_in}"
+        if gain <= 0:
+            word = f"lost {percent(-gain)} of {came_in}, {cause}"
+        word += "".join(f"; {sink} took {percent(changed[part])}" for part, sink in SINKS.items() if changed[part] > 0)
+        if gain >= OPEN and ledger.size(prefix, "kinetic_energy") > around:
+            word += "; waves that are shorter than the step ring in it"
         yield _judged("energy", max(gain, 0.0), f"Energy of {name}: it {word}.")
         made = -ledger.lowest.get(f"{prefix}damping_work", 0.0)
         if made > 1e-9 * around:
-            yield Statement("bad", "energy", f"Damping of {name} made {made:.3g} J{unit}; it must only take.")
+            yield Statement("bad", "energy", f"Damping of {name} created {made:.3g} J{unit}; it must only dissipate.")
 
 
 def _interface(run: Run) -> Iterator[Statement]:

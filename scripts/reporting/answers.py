@@ -22,6 +22,9 @@ from .surfaces import all_loads, loaded_surfaces, moments, rigid_walls, touched_
 # in 2D, and of which values the largest one is asked: of the sizes, of the values, or of these with the other sign.
 MEMBERS = {"axial_max": ("largest axial force in the lines of", "N", True, np.positive),
            "axial_min": ("least axial force in the lines of", "N", True, np.negative),
+           "shear_max": ("largest shear force in the beams of", "N", True, np.abs),
+           "bending_max": ("largest bending moment in the beams of", "N m", True, np.abs),
+           "torsion_max": ("largest torsional moment in the beams of", "N m", True, np.abs),
            "stress_max": ("largest stress in the bars of", "Pa", False, np.positive),
            "stress_min": ("least stress in the bars of", "Pa", False, np.negative),
            "brake_run": ("largest run of a brake of", "m", False, np.abs),
@@ -251,6 +254,8 @@ def members(results: Results) -> list[Row]:
             words, of, per_metre, measure = MEMBERS[found["of"]]
             if measure is np.negative and not np.any(table[column] < 0):
                 continue  # nothing is compressed
+            if found["of"] == "torsion_max" and not np.any(table[column]):
+                continue  # in the plane
             asked, of = f"{words} {place_of(found, several)}", of + unit * per_metre
         else:
             continue
@@ -287,7 +292,7 @@ def gauges(results: Results) -> list[Row]:
 
 
 def one_density(results: Results) -> float | None:
-    """Density at rest of all soil [kg/m³]; None: bodies differ, or nothing says it."""
+    """Density at rest of all soil [kg/m³]; None: bodies differ, or it is not known."""
     values = {body.get("material", {}).get("density") for body in results.settings("mpm.json").get("bodies", [])}
     value = values.pop() if len(values) == 1 else None
     return float(value) if isinstance(value, (int, float)) else None

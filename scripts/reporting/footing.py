@@ -10,6 +10,7 @@ from plotting.results import Results, Series, Table
 from plotting.view import AXES, up_axis
 
 FLAT = 1e-6  # height of an underside over the size of its structure
+WEIGHTLESS = 1e-6  # upward reaction that is round-off, over the largest reaction of the run
 HELD = 1e-6  # movement of its nodes relative to each other over the largest one of the structure
 
 
@@ -126,13 +127,20 @@ def stability(results: Results, friction: float | None = None) -> list[tuple[str
         return []
     rows = []
     for held in held_groups(results, table):
-        pressed = held.upward > 0
         if held.resultant is None and friction is None:
             continue
-        if not pressed.all():
+        force = np.hypot(held.upward, np.linalg.norm(held.across, axis=1))
+        least = WEIGHTLESS * force.max()
+        pressed, lifted = held.upward > least, held.upward < -least
+        bare = ~pressed & ~lifted & (force > least)
+        if lifted.any():
             rows.append((f"uplift of {held.label}",
-                         f"pulled up first at {held.time[np.argmin(pressed)]:.4g} s, when neither friction nor weight "
+                         f"pulled up first at {held.time[np.argmax(lifted)]:.4g} s, when neither friction nor weight "
                          "holds it"))
+        if bare.any():
+            rows.append((f"weight on {held.label}",
+                         f"no weight on the footing, first at {held.time[np.argmax(bare)]:.4g} s: nothing but its "
+                         "supports holds it, friction and weight do not"))
         if pressed.any():
             rows.append((f"sliding of {held.label}", sliding(held, pressed, friction)))
         if pressed.any() and held.resultant is not None:

@@ -28,7 +28,8 @@ class Packer:
         self.scene = ScenePlot(results, most_ground=MAX_GROUND)
         self.view = self.scene.view
         solids = [structure for structure in self.scene.structures if len(structure.frame(0).cells)]
-        self.structures = solids + self.scene.beam_surfaces
+        self.plain = self.scene.beam_surfaces + self.scene.lines  # drawn as they are, without faces to be found
+        self.structures = solids + self.plain
         self.meshes = [self._mesh(structure) for structure in self.structures]
         soil = self.scene.soil
         first = self.scene.first
@@ -61,7 +62,7 @@ class Packer:
 
     def _has_outer_faces(self, structure: Series) -> bool:
         return (self.view.dim == 3 and structure.frame(0).corners.shape[1] in FACES
-                and structure not in self.scene.beam_surfaces)
+                and structure not in self.plain)
 
     def _owners(self, structure: Series) -> np.ndarray:
         """The cell of each face of `_mesh`."""
@@ -71,7 +72,7 @@ class Packer:
     def _drawn(self, structure: Series) -> np.ndarray:
         """Faces that the flat view draws, by their nodes."""
         first = structure.frame(0)
-        return first.cells if structure in self.scene.beam_surfaces else self.view.faces(first.points, first.corners)
+        return first.cells if structure in self.plain else self.view.faces(first.points, first.corners)
 
     def _front(self, structure: Series, used: np.ndarray, faces: np.ndarray) -> np.ndarray:
         """Numbers of the faces that the flat view draws, in their order."""

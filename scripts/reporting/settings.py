@@ -26,8 +26,7 @@ def overview(files: dict[str, dict]) -> list[tuple[str, str]]:
         elif kind == "mpm.json":
             rows += _soil(settings)
         elif kind == "fem.json":
-            what = _material(settings.get("material", {})) + _mesh(settings.get("mesh", {}))
-            rows.append((f"structure {Path(name).parent.name}".strip(), what))
+            rows.append((f"structure {Path(name).parent.name}".strip(), _structure(settings)))
     return rows
 
 
@@ -70,6 +69,15 @@ def _soil(settings: dict) -> list[tuple[str, str]]:
         rest = {key: value for key, value in each.items() if key != "name"}
         rows.append((f"contact “{each.get('name', '')}”", _listed(rest)))
     return rows
+
+
+def _structure(settings: dict) -> str:
+    """Its materials, each with its group, and its mesh or matrices."""
+    if "matrices" in settings:
+        return f"matrices {settings['matrices'].get('stiffness', '?')}"
+    several = settings.get("materials", [])
+    what = "; ".join(f"“{each.get('group', '?')}” {_material(each)}" for each in several)
+    return (what or _material(settings.get("material", {}))) + _mesh(settings.get("mesh", {}))
 
 
 def _material(material: dict) -> str:

@@ -58,12 +58,17 @@ def read_parameter(name: str, reader: PlanReader) -> Parameter:
                                                        "lognormal": _lognormal}[kind](reader, kind))
 
 
-def require_apart(parameters: list[Parameter]) -> None:
+def require_apart(parameters: list[Parameter], settings: dict[str, Any]) -> None:
     """Check that a parameter keeps what it sets in each run: none that comes later sets the same, or an object around
-    it.
+    it; and that it sets nothing that the settings of the plan set.
 
     @raises PlanError  one does
     """
+    for each in parameters:
+        for path in sorted(each.all_paths):
+            if any(own == path or own.startswith(f"{path}/") for own in settings):
+                raise PlanError(f"{each.where}: found {path}, which \"settings\" of the plan sets too, allowed: one of "
+                                "both")
     for number, later in enumerate(parameters):
         for earlier in parameters[:number]:
             for path in sorted(later.all_paths):

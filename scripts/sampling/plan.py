@@ -116,7 +116,7 @@ def read_plan(path: Path) -> Plan:
     parameters = [read_parameter(name, reader) for name, reader in top.named("parameters", KEYS).items()]
     if not parameters:
         raise top.fail("parameters", "an object with at least one")
-    require_apart(parameters)
+    require_apart(parameters, settings)
     design = read_design(top.inner("design", ("method", "runs", "seed", "cross")), parameters)
     correlations = read_correlations(top, parameters, design)
     answers = [read_answer(name, reader)

@@ -8,7 +8,7 @@ import numpy as np
 from terrain_scene.gmsh import write_cells
 from terrain_scene.plan import GRAVITY
 from terrain_scene.raster import TerrainError
-from terrain_scene.scene import coupling_settings, time_settings, write_json
+from terrain_scene.scene import WALL_SCHEME, coupling_settings, time_settings, write_json
 
 from .checks import warnings_of
 from .columns import Mass, lay_soil, simplified
@@ -57,12 +57,12 @@ def require_start(plan: Plan, geostatic: bool) -> None:
     reason = ("time/settle" if plan.settle else "a slide, which starts free of stress" if plan.slide is not None
               else "layers whose tops are not level")
     if plan.table is not None and not geostatic:
-        raise TerrainError(f"water/table: found a water table and {reason}, allowed: layers with level tops alone; "
-                           "pore water that cannot drain starts from geostatic stress, else it would carry the weight "
+        raise TerrainError(f"water/table: found a water table and {reason}, allowed: layers with level tops alone. "
+                           "Pore water that cannot drain starts from geostatic stress; else it would carry the weight "
                            "of the soil, which would have no strength")
     if plan.layers and not geostatic and not plan.settle:
-        plan.notes.append(f"warning: the layers start free of stress, beside {reason}: their weight comes at once, and "
-                          "they oscillate; time/settle lets it come gradually, advised: several periods 4 H / wave "
+        plan.notes.append(f"warning: the layers start free of stress, beside {reason}: their weight acts at once, and "
+                          "they oscillate; with time/settle it grows gradually, advised: several periods 4 H / wave "
                           "speed")
 
 
@@ -159,7 +159,7 @@ def structure_settings(made: Made) -> dict:
         "material": made.plan.wall.material,
         "gravity": [0, -GRAVITY],
         "initial_equilibrium": True,
-        "time_integration": {"scheme": "bossak"},
+        "time_integration": WALL_SCHEME,
         "supports": [{"group": "foot", "report_reaction": True, "report_moment": True}],
         "interfaces": [{"name": "wall", "groups": wet_groups(made)}],
         "probes": [{"name": "crest", "point": [float(v) for v in made.wall.crest]}],

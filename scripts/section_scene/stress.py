@@ -2,6 +2,9 @@
 """Stress of level layers at the start of a section, and where water stands in them."""
 
 import numpy as np
+from sampling.reader import is_number
+from scipy.special import lambertw
+from terrain_scene.plan import GRAVITY
 from terrain_scene.raster import TerrainError
 
 from .columns import bounds_in, column_sides
@@ -41,17 +44,63 @@ def level_heights(plan: Plan) -> list[float] | None:
     return heights if heights and all(np.diff(heights) < 0) else None
 
 
-def density_above(layer: Layer) -> float:
-    """Density of the layer above water, without that in its pores [kg/m^3]."""
-    return layer.material["density"] - (layer.porosity or 0.0) * WATER_DENSITY
+def has_water(plan: Plan, layer: Layer) -> bool:
+    """Whether the water table lies in the layer or above it."""
+    return layer.porosity is not None and plan.table is not None and float(layer.bottom.z.min()) < plan.table
 
 
-def weight(layer: Layer, low: float, high: float, table: float | None) -> float:
-    """Mass [kg/m^2] of the layer between two heights."""
-    if layer.porosity is None or table is None:
-        return layer.material["density"] * (high - low)
-    wet = min(max(table, low), high)
-    return layer.material["density"] * (wet - low) + density_above(layer) * (high - wet)
+def density_above(plan: Plan, layer: Layer) -> float:
+    """Density of the layer above the water table, without the water in its pores [kg/m^3]."""
+    return layer.material["density"] - (layer.porosity * WATER_DENSITY if has_water(plan, layer) else 0.0)
+
+
+def density_below(plan: Plan, layer: Layer) -> float:
+    """Density of the layer below the water table, less that of the water, of which the skeleton bears nothing."""
+    return layer.material["density"] - (WATER_DENSITY if has_water(plan, layer) else 0.0)
+
+
+def weight(plan: Plan, layer: Layer, low: float, high: float) -> float:
+    """Mass that the skeleton bears of the layer between two heights [kg/m^2]."""
+    wet = min(max(plan.table, low), high) if has_water(plan, layer) else low
+    return density_below(plan, layer) * (wet - low) + density_above(plan, layer) * (high - wet)
+
+
+def softness(layer: Layer) -> float:
+    """c of a load s + c s^2 under which the skeleton has the vertical Kirchhoff stress s and the Cauchy stress
+    s exp(2 c s): it is compressed under its own weight [1/Pa]. 0 of laws of small strain and of those without these
+    constants, or where one of them varies or is wrong: mpm_solver then judges the material and the stress."""
+    material, k0 = layer.material, layer.k0
+    modulus, ratio, angle = (material.get(key) for key in ("young_modulus", "poisson_ratio", "friction_angle"))
+    constants = [modulus, ratio] + ([angle] if k0 == "jaky" else [])
+    if material["law"] == "linear_elastic" or not all(is_number(each) for each in constants) or not modulus > 0:
+        return 0.0
+    if k0 == "jaky":
+        k0 = 1 - np.sin(np.radians(angle))
+    elif k0 == "elastic":
+        k0 = ratio / (1 - ratio)
+    return (1 - 2 * ratio) * (1 + 2 * k0) / (2 * modulus)
+
+
+def stress_under(load: float, c: float) -> float:
+    """Vertical Cauchy stress of the skeleton under a load [Pa]; c: its softness()."""
+    s = 2 * load / (1 + np.sqrt(1 + 4 * c * load))
+    return s * np.exp(2 * c * s)
+
+
+def load_with(stress: float, c: float) -> float:
+    """The load under which the skeleton has that stress [Pa]."""
+    s = stress if c == 0 else float(lambertw(2 * c * stress).real) / (2 * c)
+    return s + c * s**2
+
+
+def load_on(plan: Plan, layers: list[Layer], heights: list[float], below: Layer) -> float:
+    """Mass [kg/m^2] that lies on a layer if it shall have the stress that the layers on it end with."""
+    load = 0.0
+    for k, layer in enumerate(layers):
+        load = GRAVITY * (load + weight(plan, layer, heights[k + 1], heights[k]))
+        next_one = layers[k + 1] if k + 1 < len(layers) else below
+        load = load_with(stress_under(load, softness(layer)), softness(next_one)) / GRAVITY
+    return load
 
 
 def initial_stress(plan: Plan, layer: Layer, heights: list[float]) -> dict:
@@ -61,11 +110,11 @@ def initial_stress(plan: Plan, layer: Layer, heights: list[float]) -> dict:
     """
     above = plan.layers[:next(k for k, each in enumerate(plan.layers) if each is layer)]
     top = heights[len(above)]
-    load = sum(weight(each, heights[k + 1], heights[k], plan.table) for k, each in enumerate(above))
-    wet = layer.porosity is not None and plan.table is not None
-    below = min(max(plan.table, top) - top, load / layer.material["density"]) if wet else 0.0
-    rest = load - below * layer.material["density"]
-    surface = top + below + rest / (density_above(layer) if wet else layer.material["density"])
+    load = load_on(plan, above, heights, layer)
+    wet = has_water(plan, layer)
+    below = min(max(plan.table, top) - top, load / density_below(plan, layer)) if wet else 0.0
+    rest = load - below * density_below(plan, layer)
+    surface = top + below + rest / density_above(plan, layer)
     stress = {"k0": layer.k0, "surface": surface}
     if not wet:
         return {"initial_stress": stress}

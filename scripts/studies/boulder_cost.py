@@ -14,7 +14,6 @@ H, RADIUS, NEAR = 0.25, 0.5, 1e-6  # [m] of a cell, of a boulder, between neighb
 DENSITY, SPEED, DT = 2650, 0.2, 1e-3  # [kg/m³]; downwards [m/s]; [s]
 COUNTS = {10: (5, 1), 100: (10, 5), 1000: (25, 20)}  # number -> columns, rows of each of two layers
 HEAP, SOIL = "heap on a floor", "heap on soil"
-NUMBERS = {HEAP: (10, 100, 1000), SOIL: (10, 100)}  # on soil 1,000 want more than 23 GB
 STEPS = (2, 22)  # of a shorter and a longer run: their difference has no start in it
 REPEATS = {10: 3, 100: 1, 1000: 1}  # the median counts
 HEAD = ["boulders", "number", "points", "start and frames [s]", "a step [ms]", "the same soil alone [ms]",
@@ -75,7 +74,7 @@ def scene(number: int, where: str, steps: int, with_boulders: bool = True) -> di
 
 
 def cost(runner: Runner, number: int, where: str, with_boulders: bool = True) -> Cost:
-    """Of a step: the longer run less the shorter one, the median of several pairs."""
+    """Cost of a step: the longer run minus the shorter one, the median of several pairs."""
     steps = []
     for k in range(REPEATS[number]):
         summaries = []
@@ -100,12 +99,12 @@ def run(runner: Runner, name: str, settings: dict) -> dict:
 
 
 def boulder_cost(runner: Runner) -> None:
-    """What a step costs with 10, 100 and 1,000 boulders in a heap on a floor, with 10 and 100 on soil."""
+    """What a step costs with 10, 100 and 1,000 boulders in a heap, on a floor and on soil."""
     rows = []
-    for where in NUMBERS:
-        found = {number: cost(runner, number, where) for number in NUMBERS[where]}
-        alone = {number: cost(runner, number, where, with_boulders=False) for number in NUMBERS[where]}
-        each = {number: (found[number].step - alone[number].step) / number for number in NUMBERS[where]}
+    for where in (HEAP, SOIL):
+        found = {number: cost(runner, number, where) for number in COUNTS}
+        alone = {number: cost(runner, number, where, with_boulders=False) for number in COUNTS}
+        each = {number: (found[number].step - alone[number].step) / number for number in COUNTS}
         rows += [[where, number, of.points, of.start, 1e3 * of.step, 1e3 * alone[number].step, 1e3 * each[number],
                   each[number] / each[10], 100 * of.search, 1e-6 * of.memory]
                  for number, of in found.items()]

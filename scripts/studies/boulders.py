@@ -141,7 +141,7 @@ def boulder_sweep(runner: Runner) -> None:
     faulty = [[k, described(case), kind(case), "; ".join(one.faults)]
               for k, (one, case) in enumerate(zip(outcomes, cases)) if one.faults]
     if faulty:
-        runner.report(["run", "settings", "boulder", "what"], faulty, "not to the end, or beyond a limit")
+        runner.report(["run", "settings", "boulder", "what"], faulty, "runs that stopped early or exceeded a limit")
 
 
 STUDIES = {boulder_sweep.__name__: boulder_sweep}

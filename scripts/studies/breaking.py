@@ -128,7 +128,7 @@ def breaking_sweep(runner: Runner) -> None:
     faulty = [[k, described(case), "; ".join(one.faults)]
               for k, (one, case) in enumerate(zip(outcomes, cases)) if one.faults]
     if faulty:
-        runner.report(["run", "wall", "what"], faulty, "not to the end, or beyond a limit")
+        runner.report(["run", "wall", "what"], faulty, "runs that stopped early or exceeded a limit")
 
 
 STUDIES = {breaking_sweep.__name__: breaking_sweep}

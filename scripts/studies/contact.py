@@ -135,11 +135,11 @@ def rows(runner: Runner, kinds: dict[str, Kind], title: str) -> None:
 
 
 def remark(runner: Runner) -> None:
-    runner.remark("mean ± standard error of runs with the wall at places evenly over a cell, from a straight line "
-                  "over the places; explicit steps of 0.1 ms a millimetre of a cell where nothing else is said; "
-                  "energy balance: error of the soil at the end, by the work of gravity; iterations: mean of the steps "
-                  "in contact; cuts: sum over the runs; residual displacement and force at rest: mean of the last "
-                  f"{REST} s; CPU time: both solvers, of a run")
+    runner.remark("mean ± standard error of runs whose wall stands at places spread evenly over a cell, from a "
+                  "straight line fitted over the places; explicit steps of 0.1 ms per millimetre of cell size unless "
+                  "said otherwise; energy balance: error of the soil at the end, over the work of gravity; "
+                  "iterations: mean of the steps in contact; cuts: sum over the runs; residual displacement and force "
+                  f"at rest: mean of the last {REST} s; CPU time: both solvers, of a run")
 
 
 def contact(runner: Runner) -> None:
@@ -147,7 +147,7 @@ def contact(runner: Runner) -> None:
     forms(runner, "5", {"fbar": 8, "noise": 8})
     rows(runner, {"tri3, 3 points a triangle": Kind([*explicit(STEPS["5"]), *triangles("grid", [40, 20], 3)]),
                   "quad4, linear, cells of 3.3 mm": Kind([*explicit(3.333e-4), *squares_of_triangles()])},
-         "what triangles with edges of 5 mm are like")
+         "cells comparable with triangles with edges of 5 mm")
     steps = {f"explicit, {1e3 * dt:g} ms": Kind(explicit(dt)) for dt in TIME_STEPS}
     steps["implicit, by their error, as shipped"] = Kind([])
     steps["granular_obstacle_explicit, as shipped"] = Kind([], scene=f"{SCENE}_explicit")

@@ -74,7 +74,7 @@ def speed(runner: Runner) -> None:
     runner.report(LATER_HEAD, [[name, *later_iterations(run)] for name, run in runs.items()], "later iterations")
     runner.remark("newton: Newton iterations of the soil (0: explicit steps); share of soil: CPU time of the soil in "
                   "iterations after the first one of a step over that in all of them; share of steps: over the wall "
-                  "time of the steps with more than one. What starts later iterations better saves less than that")
+                  "time of the steps with more than one. A better start of later iterations saves less than that")
     runner.report(["scene", "CPU time [s]", "frames and checkpoints [s]", "share"],
                   [[name, run.solver_seconds(), run.solver_seconds("output_cpu_seconds"),
                     run.solver_seconds("output_cpu_seconds") / run.solver_seconds()] for name, run in runs.items()],

@@ -45,8 +45,8 @@ def fall(runner: Runner) -> None:
                     found = run(runner, size, form, quadrature, points)
                     rows.append(row_of(f"{form}, {quadrature}, {points} points", found))
         runner.report(head, rows, f"h = {size} mm")
-    runner.remark("F-bar, explicit steps of 0.1 ms a millimetre of a cell; front: of the soil at the end; "
-                  "quadrature_loss: by the work of gravity")
+    runner.remark("F-bar, explicit steps of 0.1 ms per millimetre of cell size; front: that of the soil at the end; "
+                  "quadrature_loss: over the work of gravity")
 
 
 STUDIES = {"fall": fall}

@@ -89,7 +89,8 @@ def pressure_rows(laid: Measured, ramped: Measured) -> list[Row]:
                                           np.sqrt(PENALTY_FACTOR * wave) / cell)
     return [["force on a rigid gate, `initial_stress` in the sand [N]: earth pressure at rest", rest,
              laid.force().mean_of_last(PRESSED)],
-            ["the same, sand free of stress, gravity comes gradually: that, less what the depth of the contact lets go",
+            ["the same, sand free of stress, gravity grows gradually: that, minus the pressure lost as the contact "
+             "yields",
              float(height * np.mean(soft)), ramped.force().mean_of_last(PRESSED)]]
 
 

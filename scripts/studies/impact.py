@@ -59,9 +59,8 @@ def impact(runner: Runner) -> None:
     head = ["", "steps", "substeps", "cuts", "momentum at the end [kg/s]", "created energy", "CPU time [s]",
             "error of momentum"]
     runner.report(head, rows)
-    runner.remark("6,400 points in cells of 2.5 mm, wave speed 20.7 m/s; errors: root mean square over the "
-                  f"run, relative to implicit, dt {1e3 * STEP_SIZES[-1]:g} ms; created energy by that of the "
-                  "start")
+    runner.remark("6,400 points in cells of 2.5 mm, wave speed 20.7 m/s; errors: root mean square over the run, "
+                  f"relative to implicit, dt {1e3 * STEP_SIZES[-1]:g} ms; created energy over the energy at the start")
     axes.set_xlabel("CPU time [s]")
     axes.set_ylabel("relative error (RMS) of momentum")
     legend_beside(axes)

@@ -9,6 +9,8 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from plotting.results import Results, ResultsError, object_of
 from studies.runner import ROOT, Runner, folder_of
 
@@ -67,6 +69,67 @@ FORMS = {
 }
 
 
+LAW_HEAD = ["law", *(f"{state}: {what}" for state in ("elastic", "yielding")
+                     for what in ("stress and K", "over Mohr-Coulomb", "all"))]
+HOOKE = {"density": 2650, "young_modulus": 840e3, "poisson_ratio": 0.3}
+SOFT = {"slip": 0.01}
+
+
+def in_both_states(law: str, constants: dict, elastic: dict, yielding: dict) -> tuple[dict, dict]:
+    """Material of a law that stays elastic, and one that yields."""
+    return tuple({"law": law, **HOOKE, **constants, **own} for own in (elastic, yielding))
+
+
+SAND = {"friction_angle": 30, "dilation_angle": 5}
+STRONG, WEAK = {"cohesion": 2e4}, {"cohesion": 50}
+# Material that stays elastic, material that yields, by law.
+FORMS_OF_LAWS: dict[str, tuple[dict | None, dict | None]] = {
+    "Mohr-Coulomb": in_both_states("mohr_coulomb", SAND, STRONG, WEAK),
+    "Mohr-Coulomb with a tension cut-off": in_both_states(
+        "mohr_coulomb", SAND, STRONG | {"tension_cutoff": 1e4}, WEAK | {"tension_cutoff": 20}),
+    "Mohr-Coulomb that softens": in_both_states(
+        "mohr_coulomb", SAND, STRONG | {"softening": SOFT | {"residual_cohesion": 1e4}},
+        WEAK | {"softening": SOFT | {"residual_cohesion": 25, "residual_friction_angle": 25}}),
+    "Drucker-Prager": in_both_states("drucker_prager", SAND, STRONG, WEAK),
+    "Tresca": in_both_states("tresca", {}, STRONG, WEAK),
+    "Tresca that softens": in_both_states(
+        "tresca", {}, STRONG | {"softening": SOFT | {"residual_cohesion": 1e4}},
+        WEAK | {"softening": SOFT | {"residual_cohesion": 25}}),
+    "Bingham": in_both_states("herschel_bulkley", {"consistency": 15}, {"yield_stress": 2e4}, {"yield_stress": 20}),
+    "Herschel-Bulkley, flow index 0.5": in_both_states(
+        "herschel_bulkley", {"consistency": 15, "flow_index": 0.5}, {"yield_stress": 2e4}, {"yield_stress": 20}),
+    "mu(I)": in_both_states(
+        "mu_i", {"inertial_number": 0.279, "grain_size": 5e-4, "grain_density": 2650},
+        {"static_friction": 50, "limit_friction": 60}, {"static_friction": 0.2, "limit_friction": 0.3}),
+    "Cam-Clay": 2 * ({"law": "cam_clay", "density": 2650, "poisson_ratio": 0.3, "compression_index": 0.1,
+                      "swelling_index": 0.02, "critical_state_ratio": 1, "reference_pressure": 1e4},),
+    "Newtonian fluid": (None, {"law": "newtonian", "density": 2650, "sound_speed": 20, "viscosity": 5}),
+    "Hencky's elasticity": ({"law": "hencky_elastic", **HOOKE}, None),
+}
+
+
+OCR = {"elastic": 20, "yielding": 1}  # over-consolidation ratio, which Cam-Clay alone knows
+
+
+def pressed_block(material: dict, ocr: float) -> dict:
+    """A block of 5,000 points between smooth walls, under a small weight, that one of them presses by 0.1 % a step.
+
+    Its initial stress is isotropic.
+    """
+    unloaded = 0.3 / 0.7  # horizontal over vertical stress of elastic unloading
+    mesh = {"box": {"low": [0, 0], "high": [0.5, 0.25], "cells": [50, 25], "type": "quad4"}}
+    grid = {"box": {"low": [0, 0], "high": [0.5, 0.27], "cells": [50, 27], "type": "quad4"}}
+    walls = [{"group": wall, "condition": "slip"} for wall in ("left", "bottom", "right")]
+    walls[-1]["motion"] = {"velocity": [-5e-4, 0]}
+    soil = {"name": "soil", "mesh": mesh, "points_per_cell": 4, "material": material,
+            "initial_stress": {"k0": (1 + (ocr - 1) * unloaded) / ocr, "ocr": ocr, "surface": 0.25}}
+    return {
+        "dimension": 2, "grid": grid, "basis": "linear", "locking": {"method": "fbar"}, "gravity": [0, -0.5],
+        "analysis": "quasi_static", "walls": walls, "bodies": [soil],
+        "time": {"end": 1, "dt": 1, "dt_min": 1 / 64}, "output": {"interval": 1},
+    }
+
+
 def inclusive(listing: str, function: str) -> int:
     """Instructions of a function and what it calls; the largest of its instances."""
     found = re.findall(rf"^\s*([\d,]+) \([^)]*\)\s+\S*{function}", listing, re.MULTILINE)
@@ -96,10 +159,9 @@ def has_run(folder: Path, settings: dict, file: str = "mpm.json") -> bool:
     return Results(folder / "out").completed
 
 
-def count(folder: Path, form: tuple[str, str, str], steps: int) -> Count:
+def count(folder: Path, settings: dict, steps: int) -> Count:
     """Run that many steps under callgrind."""
-    settings = scene(*form)
-    settings["time"]["end"] = steps * settings["time"]["dt"]
+    settings = settings | {"time": settings["time"] | {"end": steps * settings["time"]["dt"]}}
     counts = folder / "callgrind.out"
     command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={counts}",
                *(f"--toggle-collect=gabion::mpm::MpmSolver<{len(settings['gravity'])}>::{call}*" for call in CALLS),
@@ -126,6 +188,34 @@ def row(name: str, steps: int, few: Count, many: Count) -> list:
             f"{100 * (many.solve - few.solve) / total:.0f} %", total / newton / many.points]
 
 
+def law_rows(folder: Path) -> list[list]:
+    """Rows of a block that stays elastic and of one that yields, a row a law."""
+    rows, first = [], {}
+    for name, forms in FORMS_OF_LAWS.items():
+        row = [name]
+        for state, material in zip(("elastic", "yielding"), forms):
+            if material is None:
+                row += ["", "", ""]
+                continue
+            print(f"{name}, {state}: running", flush=True)
+            at = folder / folder_of(f"{name}_{state}")
+            few, many = (count(at, pressed_block(material, OCR[state]), steps) for steps in (1, 4))
+            if material["law"] != "newtonian":
+                check_state(at, state, name)
+            newton = (many.newton - few.newton) * many.points
+            stress = (many.stress - few.stress) / newton
+            row += [stress, stress / first.setdefault(state, stress), (many.total - few.total) / newton]
+        rows.append(row)
+    return rows
+
+
+def check_state(folder: Path, state: str, name: str) -> None:
+    """@raises ResultsError  points of an elastic block yielded, or points of a yielding one did not"""
+    share = float(np.mean(Results(folder / "out").frames_of_soil().frame(-1).fields["plastic_strain"] > 0))
+    if share != (0 if state == "elastic" else 1):
+        raise ResultsError(f"{name}, {state}: {100 * share:.0f} % of the points yielded")
+
+
 def instructions(runner: Runner) -> None:
     """Instructions of a step of the soil by basis, F-bar and cells, in the plane and in space; needs valgrind."""
     if shutil.which("valgrind") is None:
@@ -135,8 +225,10 @@ def instructions(runner: Runner) -> None:
         print(f"{name}: running", flush=True)
         folder = runner.folder / folder_of(name)
         few, many = (1, 3) if name.startswith("hex8") else (2, 10)
-        rows.append(row(name, many - few, count(folder, form, few), count(folder, form, many)))
+        rows.append(row(name, many - few, count(folder, scene(*form), few),
+                        count(folder, scene(*form), many)))
     runner.report(HEAD, rows)
+    runner.report(LAW_HEAD, law_rows(runner.folder), "by law")
 
 
 STUDIES = {"instructions": instructions}

@@ -119,7 +119,7 @@ def law_stability(runner: Runner) -> None:
                   f"limits: energy {100 * MAX_GAIN:g} %, momentum {MAX_MOMENTUM:g}")
     faulty = [[name, way, "; ".join(one.faults)] for (name, way), one in outcomes.items() if one.faults]
     if faulty:
-        runner.report(["soil", "way", "what"], faulty, "not to the end, or beyond a limit")
+        runner.report(["soil", "way", "what"], faulty, "runs that stopped early or exceeded a limit")
 
 
 STUDIES = {"laws": laws, "law_stability": law_stability}

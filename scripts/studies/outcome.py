@@ -52,7 +52,7 @@ def verdict(summary: dict) -> str:
 
 
 def largest_rise(values: np.ndarray) -> float:
-    """How far values rise above their lowest earlier one, at most."""
+    """Largest rise of the values above their lowest earlier one."""
     return float(np.max(values - np.minimum.accumulate(values)))
 
 
@@ -63,7 +63,7 @@ def column(results: Results, name: str) -> np.ndarray:
 
 
 def total_energy(results: Results) -> np.ndarray:
-    """Kinetic, elastic, of gravity and of contact, of soil and structure [J/m]."""
+    """Sum of kinetic, elastic, gravitational and contact energy of soil and structure [J/m]."""
     table = results.table("probes.csv")
     soil = sum(column(results, f"{kind}_energy") for kind in ("kinetic", "elastic", "contact"))
     names = ("structure.kinetic_energy", "structure.elastic_energy")
@@ -72,7 +72,7 @@ def total_energy(results: Results) -> np.ndarray:
 
 
 def beyond(face: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Which points lie to the right of a line that leads upwards, bent as it may be; both num x 2."""
+    """Marks of the points to the right of a line that leads upwards and may be bent; both num x 2."""
     low, high = face[0, 1] - 1, face[-1, 1] + 1
     region = np.vstack([[face[0, 0], low], face, [face[-1, 0], high], [-1, high], [-1, low]])
     return ~Polygon(region).contains_points(points)

@@ -41,8 +41,8 @@ def posts_rows(run: Measured) -> list[Row]:
     """Posts of the same shape under forces at the same height move by force over modulus."""
     stiff, soft = Post(run, "stiff", "structure", "fem"), Post(run, "soft", "soft", "soft")
     friction = run.results.settings("mpm.json")["rigid_walls"][0]["friction"]
-    return [["force at the end [N]: on the soft post that on the stiff one", stiff.force, soft.force],
-            ["height of that force [mm]: the same", 1e3 * stiff.height, 1e3 * soft.height],
-            ["displacement of the heads, soft by stiff: forces over moduli",
+    return [["force on the soft post at the end [N]: that on the stiff post", stiff.force, soft.force],
+            ["height of that force [mm]: that on the stiff post", 1e3 * stiff.height, 1e3 * soft.height],
+            ["displacement of the heads, soft over stiff: forces over moduli",
              soft.force / stiff.force * stiff.young / soft.young, soft.head / stiff.head],
             *sliding_rows(run, "bed", friction), *ledger_rows(run, 1, "J")]

@@ -114,7 +114,7 @@ def count_of(out: Path) -> Count:
     return count
 
 
-HEAD = ["ranks", "time of one by this", "Newton a step", "linear a Newton", "memory by that of one",
+HEAD = ["ranks", "time of one rank over this", "Newton a step", "linear a Newton", "memory over that of one rank",
         "largest part by mean",
         "neighbours", "messages an iteration", "messages a step", "kB an iteration", "kB a step",
         "collectives an iteration",
@@ -197,7 +197,8 @@ def ranks(runner: Runner) -> None:
             gain, memory = rows[1][1], rows[1][4]
             met.append(f"{name}, {when}: {gain:.2f} ({soil.wanted}) and {memory:.2f} ({WANTED_MEMORY})")
         models += model_rows(name, counts[1], counts[RANKS[-1]])
-    runner.remark(f"one rank by two, time and memory a rank, in brackets what is asked for: {'; '.join(met)}")
+    runner.remark("speed-up by two ranks, and memory of one of them over that of one rank alone, in brackets the "
+                  f"goals: {'; '.join(met)}")
     runner.report(MODEL_HEAD, models, "model")
 
 

@@ -42,7 +42,7 @@ def scatter(runner: Runner) -> None:
     head = ["", "runs", *(f"{name} [%]" for name in ANSWER_NAMES)]
     runner.report(head, [deviations(f"modulus by {change:g}", runs) for change, runs in of_change.items()]
                   + [deviations("place of the wall in its cell", of_place)],
-                  "standard deviation of a run; what differs from one to the next")
+                  "standard deviation of one run, by what differs between runs")
     figure, (axes,) = new_figure(9, 4.5)
     rows = []
     for change, runs in of_change.items():
@@ -50,7 +50,7 @@ def scatter(runner: Runner) -> None:
         rows.append([f"{change:g}", *map(float, energy.at(np.array(TIMES)))])
         axes.semilogy(energy.time, energy.values, label=f"{change:g}")
     runner.report(["change", *(f"{t:g} s" for t in TIMES)], rows, "difference of the soil's kinetic energy")
-    runner.remark("difference: root mean square over the runs from the first one, by the largest kinetic "
+    runner.remark("difference: root mean square of the differences from the first run, over the largest kinetic "
                   f"energy; residual displacement and force at rest: mean of the last {REST} s; explicit steps of "
                   f"{1e3 * dt:g} ms")
     axes.set_ylim(1e-15, 1)

@@ -27,8 +27,8 @@ def scene_checks(runner: Runner) -> None:
                   [terrain_checks.largest_row(terrain, gauge) for gauge in terrain_checks.GAUGES], "gauges")
     runner.report(["scene", "what", "value"], course(gate, slope, posts, terrain), "course")
     runner.remark("in the plane per metre; end: mean of the last 0.16, 1, 0.2, 1.2 s of the scenes in their order, of "
-                  "the gate that does not move 0.1 s; `expected` by what stands behind the colon, from the same run "
-                  "where that names forces or momentum; gauges: largest values; course: the end is the last instant")
+                  "the gate that does not move 0.1 s; `expected` by the theory named after the colon, with forces and "
+                  "momentum of the same run; gauges: largest values; course: the end is the last instant")
 
 
 STUDIES = {scene_checks.__name__: scene_checks}

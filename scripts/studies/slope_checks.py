@@ -30,10 +30,11 @@ def sliding_rows(run: Measured, wall: str, friction: float) -> list[Row]:
     fallen = float(soil(run, f"momentum_{normal}")[last])
     return [["acceleration until the soil arrives [m/s²]: rigid block",
              block_acceleration(gravity[0], -gravity[-1], friction), found],
-            ["the same: gravity and the force of the bed", acceleration_by_force(run, wall, gravity[0], last), found],
-            ["force across the bed until then by the weight: momentum of the soil that comes down",
+            ["the same: from gravity and the force of the bed",
+             acceleration_by_force(run, wall, gravity[0], last), found],
+            ["normal force of the bed until then, over the weight: from the momentum of the soil that comes down",
              float(1 + fallen / weight), float(borne / weight)],
-            ["force along the bed by that across it until then: friction", friction, float(shear / borne)]]
+            ["tangential over normal force of the bed until then: friction", friction, float(shear / borne)]]
 
 
 def momentum_row(run: Measured) -> Row:
@@ -74,9 +75,9 @@ def force_rows(run: Measured) -> list[Row]:
     before = [sum_before(bed.frame(k), face) for k in frames]
     taken, pushed = np.mean(before, axis=0)
     found = 1e-3 * run.force().mean_of_last(LAST)
-    return [[f"force at the end [kN]: {1e-3 * mass:.4g} t before it with and without the bed's friction",
+    return [[f"force at the end [kN]: {1e-3 * mass:.4g} t in front of the barrier, with and without the bed's friction",
              f"{1e-3 * low:.4g} to {1e-3 * gravity[0] * mass:.4g}", found],
-            ["force along the bed by that across it there: up to friction",
+            ["tangential over normal force of the bed there: at most friction",
              f"up to {settings['rigid_walls'][0]['friction']:g}", float(-taken / pushed)]]
 
 

@@ -81,7 +81,7 @@ def family_row(family: str, outcomes: list[Outcome]) -> list:
 
 
 HEAD = ["family", "runs", "to the end", "without reason", "cut steps", "most iterations", "energy gained [%]",
-        "made by contact [%]", "points lost", "momentum error"]
+        "created by contact [%]", "points lost", "momentum error"]
 
 
 def stability(runner: Runner) -> None:
@@ -94,14 +94,14 @@ def stability(runner: Runner) -> None:
         rows.setdefault(family, []).append(one)
     runner.report(HEAD, [family_row(family, listed) for family, listed in rows.items()])
     runner.remark(f"{sum(one.ended == 'end' for one in outcomes)} of {len(outcomes)} runs came to their end")
-    runner.remark("gained: largest rise of kinetic, elastic, contact's and gravity's energy together, over the "
-                  f"energy of throw and fall, limit {100 * MAX_GAIN:g} %; made by contact: `contact_created` over the "
-                  "same; points lost: or on the far side of the wall at the end; momentum: error over what throw and "
-                  f"gravity gave, limit {MAX_MOMENTUM:g}")
+    runner.remark("gained: largest increase of kinetic, elastic, contact and gravitational energy together, over the "
+                  f"energy of throw and fall, limit {100 * MAX_GAIN:g} %; created by contact: `contact_created` over "
+                  "the same energy; points lost: those that left the box or are behind the wall at the end; momentum: "
+                  f"error over what throw and gravity gave, limit {MAX_MOMENTUM:g}")
     faulty = [[family, case.name, described(case.throw) if case.throw else "", "; ".join(one.faults)]
               for (family, case), one in zip(everything, outcomes) if one.faults]
     if faulty:
-        runner.report(["family", "case", "settings", "what"], faulty, "not to the end, or beyond a limit")
+        runner.report(["family", "case", "settings", "what"], faulty, "runs that stopped early or exceeded a limit")
 
 
 STUDIES = {stability.__name__: stability}

@@ -9,8 +9,8 @@ from studies.solvers import CELL, MATERIAL, SOLVER
 
 RANKS = (1, 2, 4)
 EDGES = (60, 100)  # nodes
-HEAD = ["nodes", "ranks", "iterations a system", "a step [s]", "time of one by this", "a frame [s]", "a checkpoint [s]",
-        "memory of the largest rank [MB]", "by that of one"]
+HEAD = ["nodes", "ranks", "iterations a system", "a step [s]", "time of one rank over this", "a frame [s]",
+        "a checkpoint [s]", "memory of the largest rank [MB]", "over that of one rank"]
 
 
 def scene(edge: int) -> dict:

@@ -188,8 +188,8 @@ def size_of(values: dict, time: dict, slope: Raster, mass: tuple[np.ndarray, flo
     if np.isnan(slope.at(*np.meshgrid(x, y))).any():
         values.setdefault("gaps", "open")
     return [f"nine of ten blocks with this friction are at rest after {reach.time:.3g} s, {reach.fastest:.3g} m/s at "
-            "most; area, time and clear_height follow from them as far as they are not given: look whether the soil "
-            "has come to rest at the end"
+            "most; area, time and clear_height follow from them as far as they are not given. Check that the soil has "
+            "come to rest at the end"
             + (f"; {reach.left} of {len(start)} blocks leave the data of the slope" if reach.left else "")]
 
 

@@ -106,7 +106,8 @@ def write_maps(results: Results, place: Place, time: float | None, out: Path) ->
     way = most.get("max_speed", 0) * apart / slope.spacing
     if way > FAR:
         lines.append(f"warning: the largest values are those of the frames, every {apart:.3g} s: the fastest soil "
-                     f"comes on by up to {way:.3g} cells between two of them; a smaller output/interval sees more")
+                     f"moves by up to {way:.3g} cells between two of them; a smaller output/interval gives closer "
+                     "values")
     return [*lines, f"{peaks.time:.6g} s: {volume:.6g} m³ of soil at rest on {np.isfinite(peaks.depth).sum()} cells of "
             f"{slope.spacing:g} m; largest: {most.get('max_depth', 0):.4g} m, {most.get('max_speed', 0):.4g} m/s, "
             f"{most.get('max_dynamic_pressure', 0):.4g} Pa"]

@@ -152,8 +152,8 @@ def material_of(reader: Reader, default: dict, notes: list[str]) -> dict:
 
 def say_thin(where: str, thickness: float, cell_size: float, notes: list[str]) -> None:
     if thickness < 2 * (1 - 1e-6) * cell_size:
-        notes.append(f"{where}/thickness: found {thickness:g} m, {thickness / cell_size:.3g} cells: below two "
-                     "cells soil on either side has nodes of its own, which take up to twice the time")
+        notes.append(f"{where}/thickness: found {thickness:g} m, {thickness / cell_size:.3g} cells: below two cells "
+                     "the soil on each side has nodes of its own, which takes up to twice the time")
 
 
 def read_barrier(reader: Reader, maps: MapInputs, friction: float) -> Barrier:

@@ -186,6 +186,8 @@ def read_with_gdal(path: Path) -> Raster:
     if band.GetUnitType() not in UNITS:
         raise TerrainError(f"{path}: found values in {band.GetUnitType()}, allowed: metres")
     values = without_data(np.array(band.ReadAsArray(), dtype=float), band.GetNoDataValue())
+    if band.GetMaskFlags() & gdal.GMF_PER_DATASET:  # a mask inside the file or beside it says where there is data
+        values[np.asarray(band.GetMaskBand().ReadAsArray()) == 0] = np.nan
     # The number for no data is one of the stored values, before the band's scale and offset.
     scale, offset = band.GetScale(), band.GetOffset()
     values = values * (1.0 if scale is None else scale) + (0.0 if offset is None else offset)

@@ -22,6 +22,8 @@ from .slope import BULGE, THINNEST, Columns, Slope, lay_columns, write_ply
 MANY_CELLS = 2_000_000
 LEAST_FILLED = 0.9  # of the volume of the plan; less is warned of
 MOST_IN_PLAN = 1_000_000  # cells of the grid: a hundred times those of large scenes
+# Waves cross a wall many times in a step of the soil; any other scheme lets them ring.
+WALL_SCHEME = {"scheme": "generalized_alpha", "rho_inf": 0}
 
 
 @dataclass
@@ -166,7 +168,7 @@ def structure_settings(made: Made) -> dict:
         "material": made.plan.barrier.material,
         "gravity": [0, 0, -GRAVITY],
         "initial_equilibrium": True,
-        "time_integration": {"scheme": "bossak"},
+        "time_integration": WALL_SCHEME,
         "supports": [{"group": "foot", "report_reaction": True}],
         "interfaces": [{"name": "barrier", "groups": ["faces"]}],
         "probes": [{"name": "crest", "point": [float(v) for v in made.wall.crest]}],
@@ -235,8 +237,8 @@ def write_scene(made: Made, folder: Path) -> list[str]:
                      "below a quarter of the depth keeps more of it")
     deepest = float(made.columns.depth.max()) / made.plan.cell_size
     if deepest < 1:
-        lines.append(f"warning: the mass is {deepest:.2g} cells deep at most: its own friction is felt from two cells "
-                     "on, below it moves as a block on the friction of the slope")
+        lines.append(f"warning: the mass is {deepest:.2g} cells deep at most: its own friction acts from two cells on; "
+                     "a thinner mass moves as a block, by the friction of the slope")
     advised = np.sqrt(0.5) * made.plan.cell_size
     if facets.longest_edge() > advised:
         lines.append(f"warning: facets up to {facets.longest_edge():.3g} m long, advised: {advised:.3g} m; the slope "

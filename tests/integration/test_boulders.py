@@ -68,5 +68,33 @@ class StoneMeetsWall(IntegrationCase):
         self.run_with("newmark")
 
 
+class ManyStones(IntegrationCase):
+    """What the start says of them is a line each up to ten, and two lines beyond."""
+
+    def start_of(self, count: int) -> str:
+        files = stone_meets_wall("explicit")
+        soil = files["mpm"]
+        soil["grid"]["box"].update(high=[1.2, 0.4], cells=[60, 20])
+        (stone,) = soil["boulders"]
+        soil["boulders"] = [stone | {"name": f"stone_{k}", "centre": [0.1 + 0.08 * k, 0.2 + 0.01 * k]}
+                            for k in range(count)]
+        self.write_scene(files)
+        return self.run_launch("--check", code=0).text
+
+    def test_ten(self) -> None:
+        said = self.start_of(10)
+        for k in range(10):
+            self.assert_says(said, f"stone_{k}: smallest gap to the soil ")
+        self.assertNotIn("10 boulders", said)
+
+    def test_twelve(self) -> None:
+        said = self.start_of(12)
+        mass = math.pi * RADIUS**2 * DENSITY
+        self.assert_says(said, f"/boulders: 12 boulders of {2 * RADIUS:.4g} to {2 * RADIUS:.4g} m, {mass:.4g} to "
+                               f"{mass:.4g} kg/m, together {12 * mass:.6g} kg/m")
+        self.assert_says(said, '12 boulders, nearest "stone_0": smallest gap to the soil ')
+        self.assertNotIn("stone_0: ", said)
+
+
 if __name__ == "__main__":
     launch.main()

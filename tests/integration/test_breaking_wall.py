@@ -117,13 +117,19 @@ class BreakingWall(IntegrationCase):
         files = scene()
         del files["mpm"]["interfaces"][0]["surface"]["behind"]
         self.write_scene(files)
-        self.assert_says(self.run_launch(code=2).text, 'interface "wall"', '"soil" has other vertices', '"behind"')
+        self.assert_says(self.run_launch(code=2).text, 'interface "wall"', '"soil" has other vertices', '"behind"',
+                         "mpm.json", "fem.json")
+        files = scene()
+        del files["fem"]["interfaces"][0]["behind"]
+        self.write_scene(files)
+        self.assert_says(self.run_launch(code=2).text, 'interface "wall"', "42 vertices of the soil's side and 0 of",
+                         'equal "behind" in the surface of mpm.json and in the interface of fem.json')
         self.write_scene(scene())
         self.assert_says(self.run_launch(code=2, ranks={"fem_solver": 2}).text, "/interfaces/0/behind", "several ranks")
         files = scene()
         files["mpm"]["boulders"] = [{"name": "rock", "shape": {"radius": 0.1}, "density": 2000, "centre": [0.2, 0.0]}]
         self.write_scene(files)
-        self.assert_says(self.run_launch(code=2).text, '"soil" does not take others', "without boulders")
+        self.assert_says(self.run_launch(code=2).text, '"soil" cannot take other facets', "without boulders")
 
 
 if __name__ == "__main__":

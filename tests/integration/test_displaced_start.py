@@ -85,7 +85,7 @@ class DisplacedStart(IntegrationCase):
         self.write_scene(scene(pull=9.81, bottom=TOP))  # none at the reference
         for option in ((), ("--check",)):
             ended = self.run_launch(*option, code=2)
-            self.assert_says(ended.text, "inside", '"wall" by up to 0.0721 m', "displaced from where they are")
+            self.assert_says(ended.text, "inside", '"wall" by up to 0.0721 m', "displaced from their place")
         self.assertFalse((self.out / "steps.csv").exists())
 
 

@@ -56,7 +56,7 @@ class ByHand(ForeignCase):
         for each in (coupler, soil, structure):
             ended = each.wait()
             self.assertEqual(ended.code, 0, ended.text)
-        self.assert_says(coupler.text(), 'participant "structure" (structure.py', "gives no scene hash")
+        self.assert_says(coupler.text(), 'participant "structure" (structure.py', "gives no hash of its scene")
         summary = json.loads((self.out / "summary.json").read_text())
         self.assertIs(summary["completed"], True)
         self.assertGreater(summary["steps_in_contact"], 5)
@@ -140,7 +140,7 @@ class Check(ForeignCase):
     def test_one_that_keeps_what_was_rejected(self) -> None:
         text = self.check("keeps", 1)
         self.assert_says(text, "the same bits after reject_step ", "FAILED", "differs by", '"wall", vertex')
-        self.assert_says(text, "[cpl] error: ", 'participant "structure" would spoil a coupled run')
+        self.assert_says(text, "[cpl] error: ", 'participant "structure" failed a check and would spoil a coupled run')
 
     def test_one_that_dies(self) -> None:
         text = self.check("dies", 1)

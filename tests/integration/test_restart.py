@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import signal
+import zlib
 from pathlib import Path
 
 import launch
@@ -146,9 +147,10 @@ class Alone(RestartCase):
                          programs=("mpm_solver",))
         self.assert_same_rows(first_step=step + 1)
 
-    def refused(self, *words: str, restart: str = "first", out: str = "second", options: tuple[str, ...] = ()) -> None:
+    def refused(self, *words: str, restart: str = "first", out: str = "second", options: tuple[str, ...] = (),
+                code: int = 2) -> None:
         with self.subTest(words[0]):
-            ended = self.launch_into(out, "--restart", str(self.folder / restart), *options, code=2,
+            ended = self.launch_into(out, "--restart", str(self.folder / restart), *options, code=code,
                                      programs=("mpm_solver",))
             self.assert_says(ended.text, "error:", *words)
 
@@ -167,9 +169,17 @@ class Alone(RestartCase):
         manifest = self.folder / "first" / "checkpoints" / "step_000005" / "manifest.json"
         content = json.loads(manifest.read_text())
         manifest.write_text(json.dumps({**content, "format": 99}))
-        self.refused("at /format", "found 99", "allowed: 1")
+        self.refused("at /format", "found 99", "allowed: 1, 2")
         manifest.write_text(json.dumps({**content, "program": "fem_solver"}))
         self.refused("at /program", 'found "fem_solver"', 'allowed: "mpm_solver"')
+        manifest.write_text(json.dumps(content))
+        self.launch_into("second", "--restart", str(self.folder / "first"), programs=("mpm_solver",))
+        for state in manifest.parent.glob("*.h5"):
+            whole = state.read_bytes()
+            state.write_bytes(whole[:-100] + bytes([whole[-100] ^ 1]) + whole[-99:])
+            self.refused(f"{state.name}: found bytes of CRC-32", f'the manifest says "{zlib.crc32(whole):08x}"',
+                         "without --restart", code=4)
+            state.write_bytes(whole)
 
     def test_changed_mesh_file(self) -> None:
         """Another place of one node, in a file that fem.json names."""
@@ -228,6 +238,8 @@ class Coupled(RestartCase):
         manifest = json.loads((checkpoint / "manifest.json").read_text())
         self.assertEqual(manifest["own_files"], ["soil", "structure"])  # which did not go through the coupler
         self.assertEqual(manifest["bytes"], {path.stem: path.stat().st_size for path in checkpoint.glob("*.h5")})
+        self.assertEqual(manifest["crc32"],
+                         {path.stem: f"{zlib.crc32(path.read_bytes()):08x}" for path in checkpoint.glob("*.h5")})
 
     def test_other_methods_in_contact(self) -> None:
         for method in ("iqn_ils", "aitken"):

@@ -72,6 +72,23 @@ class Fluids(Laid):
         self.assertGreater(impulses[0], 1.5 * impulses[1])
 
 
+class RingNet(Laid):
+    """A net whose ropes draw in its posts before soil that is laid against it pushes."""
+
+    def test_first_moment(self) -> None:
+        self.scene = CONFIGS / "ring_net"
+        mesh = {"box": {"low": [0.4, 0, 0], "high": [1, 0.8, 0.4], "cells": [6, 8, 4], "type": "hex8"}}
+        self.run_launch("--set", "coupler.json:/time/end=0.02",
+                        "--set", f"mpm.json:/bodies/0/mesh={json.dumps(mesh)}", code=0)
+        summary = json.loads((self.out / "summary.json").read_text())
+        self.assertEqual((summary["steps"], summary["steps_in_contact"], summary["cuts"]), (20, 20, 0))
+        self.expect_balance("post", 1e-3)
+        start = {name: float(value) for name, value in read_table(self.out / "probes.csv")[0].items()}
+        self.assertAlmostEqual(start["structure.post.uy"], 0.31e-3, delta=0.02e-3)  # 0.30 mm by OpenSees
+        self.assertAlmostEqual(start["structure.post.ux"], 0, delta=1e-7)
+        self.assertLess(start["structure.axial_max_top_rope"], 1)
+
+
 class SensitiveClay(IntegrationCase):
     """The bank rests on what holds it, and fails as soon as that is gone; the lost support takes no energy along."""
 

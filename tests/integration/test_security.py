@@ -132,7 +132,7 @@ class Keys(SecurityCase):
         return ended.text
 
     def test_without_key(self) -> None:
-        # Which side closes first is chance, and with it whether the reason is certain.
+        # It is chance which program closes first, so the reason is not always certain.
         self.refused("takes participants with keys only", at_once=False)
 
     def test_with_a_key_that_is_not_in_the_list(self) -> None:

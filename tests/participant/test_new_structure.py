@@ -47,7 +47,9 @@ class NewStructure(unittest.TestCase):
     def build(self, folder: Path) -> None:
         run("cmake", "-S", folder, "-B", folder / "build", "-G", "Ninja",
             f"-DCMAKE_PREFIX_PATH={self.folder / 'prefix'}")
-        self.assertNotIn("warning", run("cmake", "--build", folder / "build"))
+        # The linker warns of functions in the runtime of the address sanitizer, where our library was built with it.
+        built = run("cmake", "--build", folder / "build").splitlines()
+        self.assertEqual([line for line in built if "warning" in line and "libasan" not in line], [])
         self.assertIn("100% tests passed, 0 tests failed out of 1", run("ctest", "--test-dir", folder / "build"))
 
     def check(self, folder: Path) -> None:

@@ -28,8 +28,9 @@ HEADERS = {
     "common/settings": ("config_reader.hpp", "json_text.hpp", "keys.hpp", "nearest_word.hpp"),
     "protocol": ("gabion_participant.h", "participant.hpp", "serve.hpp"),
     "protocol/channel": ("attention.hpp", "heartbeat.hpp", "keys.hpp", "peer_watch.hpp", "socket.hpp"),
-    "protocol/participant": ("connection.hpp", "request_source.hpp", "state_machine.hpp", "step_order.hpp"),
-    "protocol/wire": ("deadlines.hpp", "handshake.hpp", "message.hpp"),
+    "protocol/participant": ("connection.hpp", "own_facets.hpp", "request_source.hpp", "state_machine.hpp",
+                             "step_order.hpp", "usage_error.hpp"),
+    "protocol/wire": ("deadlines.hpp", "facets.hpp", "handshake.hpp", "message.hpp"),
 }
 LIBRARY = (r"lib/libgabion_participant\.so(\.\d+){0,3}"
            r"|lib/cmake/gabion_participant/gabion_participant(-config|_targets)[a-z-]*\.cmake")

@@ -396,7 +396,7 @@ class WrongCalls(ParticipantCase):
             participant.write_data("wall", SQUARE)
             return participant
 
-        self.expect("ask requires_writing_checkpoint", lambda p: p.advance(STEP))
+        self.expect("advance: call requires_writing_checkpoint", lambda p: p.advance(STEP))
         self.expect("found dt 0.11 s, allowed: > 0 and at most 0.1 s", lambda p: ready(p).advance(0.11))
         self.expect("found dt 0 s", lambda p: ready(p).advance(0))
         self.expect("found interface \"roof\", allowed: wall", lambda p: p.read_data("roof"))
@@ -430,7 +430,7 @@ class WrongCalls(ParticipantCase):
         self.coupler.request("solve_step", {"force:wall": np.zeros((3, 2))}, step=1, iteration=1, time=0.0, dt=STEP)
         self.assertEqual(self.coupler.receive().type, "abort")
         self.assertEqual(self.end(), "")
-        self.assertRegex(problems[0], "ask requires_reading_checkpoint")
+        self.assertRegex(problems[0], "call requires_reading_checkpoint")
 
 
 if __name__ == "__main__":

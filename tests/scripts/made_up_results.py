@@ -325,8 +325,8 @@ def write_space_results(folder: Path, up: int = 2, gravity: float | None = -9.81
 
 
 def write_beams(folder: Path) -> Path:
-    """The slice in space with a structure of one beam, which has no cells, and the soil's copy of the surface around
-    it, which moves 1 m/s along x."""
+    """The slice in space with a structure of one beam, which has no cells but a line, and the soil's copy of the
+    surface around it, which moves 1 m/s along x."""
     write_space_results(folder)
     axis = np.array([[0.25, 0.01, 0.0], [0.25, 0.01, 0.05]])
     ring = np.array([[0.255, 0.005], [0.255, 0.015], [0.245, 0.015], [0.245, 0.005]])
@@ -335,6 +335,7 @@ def write_beams(folder: Path) -> Path:
     times = np.linspace(0, END, 6)
     write_series(folder / "fem", "structure", [
         (time, axis, np.zeros((0, 8), int), {"displacement": 0 * axis}) for time in times])
+    write_series(folder / "fem", "lines", [(time, axis, np.array([[0, 1]]), {}) for time in times])
     write_series(folder / "mpm", "contact_posts", [
         (time, corners + [time, 0, 0], cells, {"pressure": np.zeros(4)}) for time in times])
     (folder / "fem" / "resolved_config.json").write_text(json.dumps({"fem.json": {"interfaces": [

@@ -418,6 +418,28 @@ class Instructions(unittest.TestCase):
         self.assertEqual(instructions.inclusive(listing, r"gabion::mpm::InternalForces<\d>::evaluate"), 9000)
         self.assertEqual(instructions.inclusive(listing, "gabion::mpm::Absent"), 0)
 
+    def test_laws_are_compared_with_the_first_in_the_same_state(self) -> None:
+        def count(folder: Path, settings: dict, steps: int) -> instructions.Count:
+            plastic, tresca = "yielding" in folder.name, settings["bodies"][0]["material"]["law"] == "tresca"
+            stress = (1000 if plastic else 400) * (2 if tresca else 1)
+            return instructions.Count(points=10, newton=2 * steps, krylov=0, total=2 * steps * 10 * 3000,
+                                      stress=2 * steps * 10 * stress, solve=0)
+
+        with (mock.patch.object(instructions, "count", count), mock.patch.object(instructions, "check_state"),
+              contextlib.redirect_stdout(io.StringIO())):
+            rows = {row[0]: row[1:] for row in instructions.law_rows(Path("unused"))}
+        self.assertEqual(rows["Mohr-Coulomb"], [400, 1, 3000, 1000, 1, 3000])
+        self.assertEqual(rows["Tresca"], [800, 2, 3000, 2000, 2, 3000])
+        self.assertEqual(rows["Newtonian fluid"], ["", "", "", 1000, 1, 3000])
+
+    def test_a_block_in_another_state_than_its_row_says_is_an_error(self) -> None:
+        for state, strain in (("elastic", [0, 1e-4]), ("yielding", [0, 1e-4])):
+            frame = mock.Mock(fields={"plastic_strain": np.array(strain)})
+            with mock.patch.object(instructions, "Results") as results:
+                results.return_value.frames_of_soil.return_value.frame.return_value = frame
+                with self.assertRaisesRegex(ResultsError, f"Tresca, {state}: 50 %"):
+                    instructions.check_state(Path("unused"), state, "Tresca")
+
     def test_without_valgrind_it_says_how_to_get_it(self) -> None:
         with mock.patch.object(instructions.shutil, "which", return_value=None):
             with self.assertRaisesRegex(ResultsError, "apt-get install .* valgrind"):

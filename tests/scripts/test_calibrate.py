@@ -141,6 +141,17 @@ class WrongPlans(ElementCase):
         self.expect("names of their own", tests=[test | {"name": "a"}, test | {"name": "a"}])
         self.expect("no.csv", tests=[test | {"lab": "no.csv"}])
 
+    def test_an_abscissa_ascends(self) -> None:
+        """A curve that is sorted the other way, has a row twice, or returns; the other columns may do so."""
+        for rows, part in (("3,90\n2,80\n1,50\n", r"lab.csv: row 2: found eps_a 0.02 after 0.03 \(SI units\), allowed"),
+                           ("1,50\n2,80\n2,81\n3,90\n", "lab.csv: row 3: found eps_a 0.02 after 0.02"),
+                           ("1,50\n2,80\n3,90\n2.9,40\n", "lab.csv: row 4: found eps_a 0.029 after 0.03")):
+            self.write("lab.csv", f"# made up\neps_a[%],q[kPa]\n{rows}")
+            self.expect(part)
+        self.write("lab.csv", "q[kPa],eps_a[%]\n50,1\n80,2\n80,3\n70,4\n")
+        read_calibration(self.write_json("plan.json", self.values))
+        self.expect("row 3: found q 80000 after 80000", tests=[self.values["tests"][0] | {"over": "q", "strain": 0.04}])
+
     def test_tables(self) -> None:
         for text, part in (("eps_a[-],q\n0,0\n1,1\n2,2\n", "'q'"), ("eps_a[-],q[psi]\n0,0\n1,1\n2,2\n", "psi"),
                            ("eps_a[-],eps_a[%]\n0,0\n1,1\n2,2\n", "twice"),

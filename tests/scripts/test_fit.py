@@ -285,7 +285,7 @@ class Plans(FitCase):
         self.expect("plan.json:/fit/data: found 1 measured value for 2 parameters, allowed: at least as many values")
 
     def test_a_setting_that_a_parameter_sets_too(self) -> None:
-        self.expect_of(self.values, (f'plan.json:/fit/parameters/a/set: found {A}, which "settings" of the plan sets '
+        self.expect_of(self.values, (f'plan.json:/fit/parameters/a: found {A}, which "settings" of the plan sets '
                                      'too, allowed: one of both',), settings={A: 2})
 
     def test_a_scene_without_soil(self) -> None:
@@ -324,7 +324,7 @@ class Plans(FitCase):
                 ("time,x\n0,1\n1,1_0\n", ("row 2: found '1_0' for x, allowed: a finite number",)),
                 ('time,x\n0,1\n1,"2,5"\n', ("row 2: found '2,5' for x, allowed: a finite number, with a point",)),
                 ("time,x\n0,1\nsoon,2\n", ("row 2: found 'soon' for time",)),
-                ("time,x\n0,1\n0.5,2\n0.5,3\n", ("found time 0.5 (SI units) twice, allowed: once",)),
+                ("time,x\n0,1\n0.5,2\n0.5,3\n", ("row 3: found time 0.5 (SI units) twice, allowed",)),
                 ("time,x,x\n0,1,1\n1,2,2\n", ("found the column x twice",)),
                 ("time,x[inch]\n0,1\n1,2\n", ("found the unit 'inch' of x, allowed: m, mm",)),
                 ("time[mm],x\n0,1\n1,2\n", ("/over: found time in a unit of length, allowed: one of time",)),

@@ -220,7 +220,7 @@ class ResultsOnTheMap(MapCase):
         self.enterContext(mock.patch("terrain_scene.on_map.draw_map"))
         place.slope = Raster(self.folder / "a.asc", WEST, SOUTH, 0.5, np.zeros((90, 150)))
         said = write_maps(Results(self.run), place, None, self.folder)
-        self.assertIn("every 1 s: the fastest soil comes on by up to 6 cells between two of them", said[-2])
+        self.assertIn("every 1 s: the fastest soil moves by up to 6 cells between two of them", said[-2])
 
     def test_sections(self) -> None:
         self.enterContext(mock.patch("terrain_scene.on_map.draw_map"))

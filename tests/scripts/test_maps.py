@@ -190,6 +190,22 @@ class Rasters(MapCase):
         self.assertTrue(np.isnan(changed.values[3, 5]))
         self.assertAlmostEqual(changed.values[0, 0], 450)
 
+    def test_a_mask_says_where_there_is_no_data(self) -> None:
+        for inside in ("YES", "NO"):  # in the file, or beside it
+            with self.subTest(inside=inside):
+                gdal.SetConfigOption("GDAL_TIFF_INTERNAL_MASK", inside)
+                self.addCleanup(gdal.SetConfigOption, "GDAL_TIFF_INTERNAL_MASK", None)
+                path = self.slope()
+                heights = read_raster(path).values
+                data = gdal.Open(str(path), gdal.GA_Update)
+                data.CreateMaskBand(gdal.GMF_PER_DATASET)
+                mask = np.full(heights.shape, 255, dtype=np.uint8)
+                mask[4, 7] = 0  # of rows from the north
+                data.GetRasterBand(1).GetMaskBand().WriteArray(mask)
+                data = None
+                heights[-5, 7] = np.nan
+                np.testing.assert_array_equal(read_raster(path).values, heights)
+
     def test_what_is_no_raster_of_heights(self) -> None:
         with self.assertRaisesRegex(TerrainError, "found 3 bands, allowed: one"):
             read_raster(self.slope(bands=3))

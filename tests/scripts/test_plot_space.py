@@ -3,6 +3,8 @@
 """Scenes in space as one sees them: the surface of a cloud, the camera, the file that ParaView opens."""
 
 import json
+import re
+import shutil
 import unittest
 import xml.etree.ElementTree as ElementTree
 
@@ -20,7 +22,7 @@ RADIUS = 10.0
 
 
 def lattice() -> np.ndarray:
-    """Points of a cubic lattice of distance 1 in a ball, off its centre."""
+    """Points of a cubic lattice of distance 1 in a sphere, off its centre."""
     axis = np.arange(-12, 13) + 0.3
     points = np.stack(np.meshgrid(axis, axis, axis), -1).reshape(-1, 3)
     return points[np.linalg.norm(points, axis=1) < RADIUS]
@@ -139,6 +141,16 @@ class Seen(ScriptCase):
         for options in (("--space", 20, 30), ()):
             result = self.python_script("plot", folder, *options, "--times", 0, 0.4)
             self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_lines_alone(self) -> None:
+        folder = made_up.write_beams(self.folder / "beams")
+        shutil.rmtree(folder / "mpm")
+        for command in (("plot", folder, "--space", 20, 30), ("plot", folder), ("report", folder)):
+            result = self.python_script(*command)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        text = (folder / "report.html").read_text()
+        scene = json.loads(re.search(r'<script type="application/json" id="scene-data">(.*?)</script>', text)[1])
+        self.assertEqual([each["corners"] for each in scene["structures"]], [2])
 
     def test_what_cannot_be_drawn_is_said(self) -> None:
         with self.assertRaisesRegex(ResultsError, "a scene in 2D has no view in space"):

@@ -83,7 +83,7 @@ class Scenes(ScriptCase):
         self.expect("mpm.json:/bodies/9/points_per_cell", 4, "found entry 9, allowed: 0 to 0")
 
     def test_a_key_that_is_not_set_is_explained(self) -> None:
-        with self.assertRaisesRegex(gabion.SettingError, "quadrature: not set in .*Over what the stresses"):
+        with self.assertRaisesRegex(gabion.SettingError, "quadrature: not set in .*How the stresses"):
             self.scene["mpm.json:/quadrature"]
 
     def test_a_file_that_the_scene_lacks(self) -> None:

@@ -109,11 +109,15 @@ class Pages(ReportCase):
             "basis": "gimp", "grid": {"box": {"low": [0, 0], "high": [1, 1], "cells": [4, 5], "type": "quad4"}},
             "bodies": [{"name": "sand", "mesh": {"file": "heap.msh"}, "points_per_cell": 4,
                         "material": {"law": "mohr_coulomb", "friction_angle": 33}}]}}))
+        self.write("fem/resolved_config.json", json.dumps({"fem.json": {
+            "mesh": {"file": "net.msh"}, "materials": [{"group": "posts", "law": "beam", "density": 7850},
+                                                       {"group": "net", "law": "cable", "density": 7800}]}}))
         self.report()
         for words in ("dt 0.001 s", "wall: soil and structure",
+                      "“posts” beam: density 7850; “net” cable: density 7800, mesh net.msh",
                       "mohr coulomb: friction angle 33, mesh heap.msh, 4 points a cell", "4 × 5 quad4, basis gimp",
-                      "save coupler.json mpm.json from this page",
-                      "It also needs: heap.msh; /bin/wall &lt;stiff&gt;.", "--restart", '<th>Gabion</th>'):
+                      "save coupler.json fem.json mpm.json from this page",
+                      "It also needs: heap.msh; net.msh; /bin/wall &lt;stiff&gt;.", "--restart", '<th>Gabion</th>'):
             self.assertIn(words, self.text)
         shown = re.search(r'data-file="mpm.json".*?<pre>(.*?)</pre>', self.text, re.DOTALL)[1]
         self.assertEqual(json.loads(html.unescape(shown))["bodies"][0]["name"], "sand")
@@ -201,7 +205,7 @@ class Data(ReportCase):
         self.assertEqual(data["all"], len(data["tries"]))
 
     def test_many_residuals(self) -> None:
-        """Those that failed and the longest are kept, and the rest thinned out."""
+        """Tries that failed and the longest ones are kept, and the rest thinned out."""
         from reporting import curves  # noqa: PLC0415
         write_kind(self.folder, "cut")
         allowed, curves.MAX_ROWS = curves.MAX_ROWS, 800

@@ -195,6 +195,14 @@ class Answers(ScriptCase):
             "largest stress in the bars of brace": "2e+06 Pa at 3 s; at the end 2e+06 Pa",
             "least stress in the bars of brace": "-3e+06 Pa at 2 s; at the end 7e+06 Pa"})
 
+    def test_beams(self) -> None:
+        self.assertEqual(self.members_of(s__shear_max_post=[0, 5, 3], s__bending_max_post=[0, 8, 2],
+                                         s__torsion_max_post=[0, 0, 0]), {
+            "largest shear force in the beams of post": "5 N/m at 1 s; at the end 3 N/m",
+            "largest bending moment in the beams of post": "8 N m/m at 1 s; at the end 2 N m/m"})
+        found = self.members_of(torsion_max_post=[0, -4])
+        self.assertEqual(list(found), ["largest torsional moment in the beams of post"])
+
     def test_units_in_space(self) -> None:
         with mock.patch.object(Results, "per_metre", ""):
             found = self.members_of(s__axial_max_a=[0, 2], s__damage_work=[0, 3])

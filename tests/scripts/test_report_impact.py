@@ -253,6 +253,19 @@ class Footings(ScriptCase):
         self.assertIn("nothing turns it", found["overturning of structure.foot"])
         self.assertEqual([each for each, _ in stability(self.plane((0, 0, -1, 0)))], ["uplift of structure.foot"])
 
+    def test_weight_that_is_round_off(self) -> None:
+        """Posts without weight: 3e-12 N upward over 500 N across are no friction coefficient of 1.7e14."""
+        self.structure([[1, 2], [4, 2], [4, 3], [1, 3]])
+        found = dict(stability(self.plane((0, 0, 0, 0), (1, -500, 3e-12, 30), (2, -100, -1e-12, 20)), 0.5))
+        self.assertEqual(list(found), ["weight on structure.foot"])
+        self.assertIn("no weight on the footing, first at 1 s", found["weight on structure.foot"])
+        found = dict(stability(self.plane((0, 0, 0, 0), (1, -500, 3e-12, 30), (2, -100, 400, 20)), 0.5))
+        self.assertEqual(list(found), [f"{what} structure.foot" for what in ("weight on", "sliding of",
+                                                                              "overturning of")])
+        self.assertIn("coefficient of 0.25 at 2 s", found["sliding of structure.foot"])
+        found = dict(stability(self.plane((0, 0, 0, 0), (1, -500, 600, 30)), 0.5))
+        self.assertEqual(list(found), [f"{what} structure.foot" for what in ("sliding of", "overturning of")])
+
     def test_no_flat_underside(self) -> None:
         for slope, held_above in ((0.5, False), (0, True)):
             self.structure([[1, 2], [4, 2 + slope], [4, 3], [1, 3]], held_above=held_above)

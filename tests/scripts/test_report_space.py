@@ -65,8 +65,8 @@ class Space(ScriptCase):
 
     def test_beams_are_the_surface_around_them(self) -> None:
         packed = self.packed(write_beams(self.folder / "beams"))
-        (posts,) = packed["structures"]
-        self.assertEqual(posts["corners"], 4)
+        posts, line = packed["structures"]
+        self.assertEqual((posts["corners"], line["corners"]), (4, 2))
         self.assertEqual(len(posts["frames"]), len(packed["times"]))
 
     def test_boulders(self) -> None:

@@ -355,7 +355,7 @@ class Stopped(MadeUpCase):
     """scripts/run gets a signal."""
 
     def stop(self, mpirun: str, number: signal.Signals, version: str = "4.1.4", pause: int = 0) -> tuple[int, str]:
-        """Exit code and output, after the programs have begun.
+        """Exit code and output, after the programs have started.
 
         pause: of scripts/run, after it has started mpirun [s]
         """

@@ -231,7 +231,11 @@ class Water(SectionCase):
     def test_layers_carry_what_lies_on_them(self) -> None:
         sand, gravel = self.bodies(ground=self.FLAT, layers=self.LEVEL)
         self.assertEqual(sand["initial_stress"], {"k0": "jaky", "surface": 0})
+        # Of one stiffness both are compressed alike.
         self.assertAlmostEqual(gravel["initial_stress"]["surface"], -1 + 1800 / 2000)
+        below = self.bodies(ground=self.FLAT, layers=self.LEVEL, water={"table": -1.5})
+        self.assertEqual(below[0], sand)  # the table does not reach it
+        self.assertAlmostEqual(below[1]["initial_stress"]["surface"], -1 + 1800 / 1650)
         self.assertNotIn("water", sand)
         sand, gravel = self.bodies(ground=self.FLAT, layers=self.LEVEL, water={"table": -0.2})
         self.assertEqual(sand["initial_stress"], {"k0": "jaky", "surface": 0, "water_table": -0.2})
@@ -239,6 +243,19 @@ class Water(SectionCase):
         self.assertAlmostEqual(gravel["initial_stress"]["surface"],
                                -0.2 + (0.2 * 1400 + 0.8 * 1800 - 0.8 * 2000) / 1650)
         self.assertEqual(gravel["water"], {"porosity": 0.35})
+
+    def test_constants_that_only_the_solver_can_judge(self) -> None:
+        """A law without friction, constants that vary, are missing or wrong: the heights are those of the densities."""
+        clay = {"law": "tresca", "density": 1800, "young_modulus": 1e6, "poisson_ratio": 0.4, "cohesion": 4e4}
+        without = {key: value for key, value in SAND.items() if key != "poisson_ratio"}
+        varies = SAND | {"young_modulus": {"field": "E.json"}}
+        none = SAND | {"young_modulus": 0}
+        for material, k0 in ((clay, "jaky"), (without, "elastic"), (varies, "jaky"), (none, "jaky")):
+            with self.subTest(material=material):
+                layers = [{"name": "top", "bottom": -1, "material": material, "k0": k0},
+                          {"name": "rest", "bottom": -3, "material": material | {"density": 2000}, "k0": k0}]
+                rest = self.bodies(ground=self.FLAT, layers=layers)[1]
+                self.assertAlmostEqual(rest["initial_stress"]["surface"], -1 + 1800 / 2000)
 
     def test_refused(self) -> None:
         self.refused("water/table", "above the ground", "pool", ground=self.FLAT, layers=self.LEVEL,
@@ -258,6 +275,17 @@ class Scenes(SectionCase):
         return subprocess.run([PROGRAMS / name, self.folder / "scene", "--output", self.folder / "results",
                                *map(str, options)],
                               capture_output=True, text=True, check=False, timeout=600)
+
+    def test_layers_of_unlike_stiffness_have_no_jump(self) -> None:
+        soft = [Water.LEVEL[0] | {"material": SAND | {"young_modulus": 1e6}},
+                Water.LEVEL[1] | {"material": SAND | {"density": 2100, "young_modulus": 2e7}}]
+        for table in (None, -0.3, -1.2, -6):
+            with self.subTest(table=table):
+                water = {} if table is None else {"water": {"table": table}}
+                write_scene(self.make(ground=Water.FLAT, layers=soft, time={"end": 0.02, "dt": 0.01}, **water),
+                            self.folder / "scene")
+                checked = self.program("mpm_solver", "--check")
+                self.assertEqual(checked.returncode, 0, checked.stderr)
 
     def test_level_ground_with_water_runs_to_its_end_at_rest(self) -> None:
         plan = self.plan(ground=Water.FLAT, layers=Water.LEVEL, water={"table": -0.2}, time={"end": 0.02, "dt": 0.01})

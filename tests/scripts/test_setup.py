@@ -72,6 +72,17 @@ class Setup(ScriptCase):
         self.assertEqual(self.sourced("has_module $python json && ! has_module $python no_such_module && echo right"),
                          "right\n")
 
+    def test_failed_tests_are_shown_at_the_end(self) -> None:
+        logs = "build/Testing/Temporary"
+        passed = "1/2 Testing: a\nOutput:\nfine\n<end of output>\nTest Passed.\n"
+        failed = "2/2 Testing: b\nOutput:\nfound 1, expected 2\n<end of output>\nTest Failed.\n"
+        self.write(f"{logs}/LastTest.log", passed + failed)
+        say = f"say_failed {self.folder}/build"
+        self.assertEqual(self.sourced(say), "")  # nothing failed
+        self.write(f"{logs}/LastTestsFailed.log", "2:b\n")
+        self.assertRegex(self.sourced(say), r"^failed: b; the end of what it printed \(.*/LastTest.log has all\):\n"
+                                            r"2/2 Testing: b\nOutput:\nfound 1, expected 2\n$")
+
     def expect_tests_that_may_be_skipped(self, array: str) -> None:
         """Each test named in an array of scripts/setup exists, and ends with 77 where it cannot run."""
         named = re.search(array + r"=\((.*)\)", (ROOT / "scripts" / "setup").read_text())[1]

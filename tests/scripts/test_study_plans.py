@@ -88,6 +88,8 @@ class Plans(StudyCase):
                     parameters={"a": one, "b": {"variants": {"x": {B: 1}, "y": {A: 1}}}})
         self.expect("/b: found", "overwrites what a sets", design=design,
                     parameters={"a": {"variants": {"x": {A: 1}}}, "b": one})
+        self.expect("/a: found", f'{A}, which "settings" of the plan sets too', parameters={"a": one}, design=design,
+                    settings={A: 2})
 
     def test_designs(self) -> None:
         sample = self.parameter(uniform=[1, 2])

@@ -111,7 +111,7 @@ class Words(VerdictCase):
         quick = "".join(f"{k},0.{k},0.1,2,converged,0,1,0,0.006,0.002,0.01\n" for k in range(1, 10))
         self.write("steps.csv", STEPS + quick)
         self.assertEqual(self.one("time"),
-                         ("good", "A step took 10 ms on average, 10 ms in the middle of all. The coupler "
+                         ("good", "A step took 10 ms on average, 10 ms in the median. The coupler "
                                                     "waited for: soil 60 %, messages 20 %. No step was slow."))
         self.write("steps.csv", STEPS + quick + "17,1.0,0.1,2,converged,0,1,0,0.01,1.8,1.91\n")
         kind, text = self.one("time")
@@ -133,13 +133,13 @@ class Ledgers(VerdictCase):
     def test_soil(self) -> None:
         for row, energy, momentum in (
                 ("1,10,1e-4,0,2,0", ("good",
-                                     "closed. Of the 10 J/m that went around the balance misses 0.001 %, and 0 % was"),
-                 ("good", "closed. It misses 0 % of 2 kg m/s/m, its largest or")),
-                ("1,10,0,-0.05,2,0.01", ("note", "closed. Of the 10 J/m"), ("note", "closed. It misses 0.5 %")),
-                ("1,10,2,0,2,1", ("bad", "not closed. Of the 10 J/m that went around the balance misses 20 %"),
-                 ("bad", "not closed. It misses 50 %")),
+                                     "closed. Of the 10 J/m that were exchanged, 0.001 % are missing and 0 % were"),
+                 ("good", "closed. Missing: 0 % of 2 kg m/s/m, the largest momentum, or")),
+                ("1,10,0,-0.05,2,0.01", ("note", "closed. Of the 10 J/m"), ("note", "closed. Missing: 0.5 %")),
+                ("1,10,2,0,2,1", ("bad", "not closed. Of the 10 J/m that were exchanged, 20 % are missing"),
+                 ("bad", "not closed. Missing: 50 %")),
                 ("1,10,0,3,2,0", ("bad",
-                                  "not closed. Of the 10 J/m that went around the balance misses 0 %, and 30 % was"),
+                                  "not closed. Of the 10 J/m that were exchanged, 0 % are missing and 30 % were"),
                  ("good", "closed"))):
             self.write("probes.csv", f"{self.HEAD}{row}\n")
             said = self.said()
@@ -156,21 +156,37 @@ class Ledgers(VerdictCase):
 
     def test_structure(self) -> None:
         head = "time,fence.kinetic_energy,fence.elastic_energy,fence.external_work,soil.momentum_z\n0,0,1,0,0\n"
-        for row, kind, words in (("1,1,1.5,2,0", "good", "it lost 25 % of the 2 J that went around, by damping"),
-                                 ("1,1,2.5,2,0", "bad", "it has 20 % more than the 2.5 J that came in")):
+        lost = "it lost 25 % of the 2 J that came in, by its time integration"
+        for row, kind, words in (("1,1,1.5,2,0", "good", lost),
+                                 ("1,1,2.5,2,0", "bad", "it has 25 % more than the 2 J that came in"),
+                                 ("1,4,1,2,0", "bad", "it has 100 % more than the 2 J that came in; waves that are "
+                                                      "shorter than the step ring in it")):
             self.write("probes.csv", f"{head}{row}\n")
             self.assertEqual(self.one("energy"), (kind, f"Energy of fence: {words}."))
 
     def test_structure_whose_supports_worked_before_the_start(self) -> None:
         self.write("probes.csv", "time,kinetic_energy,elastic_energy,external_work\n0,0,200,200\n1,50,149,200\n")
         self.assertEqual(self.one("energy"),
-                         ("good", "Energy of structure: it lost 0.5 % of the 200 J/m that went around, by "
-                                                      "damping."))
+                         ("good", "Energy of structure: it lost 0.5 % of the 200 J/m that came in, by "
+                                                      "its time integration."))
+
+    def test_structure_in_statics(self) -> None:
+        self.write("probes.csv", "time,kinetic_energy,elastic_energy,external_work\n0,0,0,0\n1,0,1,2\n")
+        self.assertIn("lost 50 % of the 2 J/m that came in, by loads that act at once", self.one("energy")[1])
+
+    def test_structure_that_dissipates(self) -> None:
+        head = "time,net.kinetic_energy,net.elastic_energy,net.external_work,net.brake_work,x.mass,soil.momentum_z\n"
+        self.write("probes.csv", head + "0,0,0,0,0,1,0\n1,1,3,100,95,1,0\n")
+        self.assertEqual(self.one("energy"), ("good", "Energy of net: it lost 1 % of the 100 J that came in, by its "
+                                                      "time integration; brakes took 95 %."))
+        self.write("probes.csv", head + "0,0,0,0,0,1,0\n1,1,9,100,95,1,0\n")
+        self.assertEqual(self.one("energy"), ("bad", "Energy of net: it has 5 % more than the 100 J that came in; "
+                                                     "brakes took 95 %."))
 
     def test_damping_that_makes_energy(self) -> None:
         head = "time,wall.kinetic_energy,wall.external_work,wall.damping_work\n0,0,0,0\n"
         self.write("probes.csv", head + "1,1,1,-0.5\n2,1,1,0.2\n")
-        self.assertIn(("bad", "Damping of wall made 0.5 J/m; it must only take."), self.said()["energy"])
+        self.assertIn(("bad", "Damping of wall created 0.5 J/m; it must only dissipate."), self.said()["energy"])
         self.write("probes.csv", head + "1,1,1,0.5\n")
         self.assertEqual(len(self.said()["energy"]), 1)
 

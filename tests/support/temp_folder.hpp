@@ -15,7 +15,7 @@ class TempFolder {
   TempFolder()
       : path_(std::filesystem::temp_directory_path() /
               ("gabion_base_" + std::to_string(getpid()) + "_" +
-               testing::UnitTest::GetInstance()->current_test_info()->name())) {
+               ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }

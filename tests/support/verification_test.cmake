@@ -15,6 +15,10 @@ function(gabion_verification name)
     gabion_mpi_test(${name} NUM_RANKS 1 LIBS ${arg_LIBS} LABEL verification TIMEOUT ${arg_TIMEOUT}
                     SOURCES ${arg_SOURCES})
   endif()
+  list(LENGTH arg_SOURCES count)
+  if(count GREATER 1)  # files of one program share names: each is compiled alone
+    set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
+  endif()
   add_dependencies(verification ${name})
   set_property(GLOBAL APPEND PROPERTY gabion_verification_programs $<TARGET_FILE:${name}>)
 endfunction()

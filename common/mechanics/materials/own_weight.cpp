@@ -29,15 +29,16 @@ double WeightedColumn::period() const {
 void log_own_weight(const std::string& where, const WeightedColumn& column) {
   const double speed = column.wave_speed(), settlement = column.settlement();
   if (column.gravity > 0) {
-    log::info("{}: waves of {:.4g} m/s; {:.3g} m deep, it settles by {:.2g} m under its own weight",
-              where, speed, column.height, settlement);
+    log::info(
+        "{}: wave speed {:.4g} m/s; {:.3g} m deep, it settles by {:.2g} m under its own weight",
+        where, speed, column.height, settlement);
   } else {
-    log::info("{}: waves of {:.4g} m/s", where, speed);
+    log::info("{}: wave speed {:.4g} m/s", where, speed);
   }
   if (speed < slowest || speed > fastest) {
     log::warn(
-        "{}: waves of {:.3g} m/s, plausible: {} to {} m/s; young_modulus and density in Pa "
-        "and kg/m^3?",
+        "{}: wave speed {:.3g} m/s, plausible: {} to {} m/s; young_modulus and density in Pa and "
+        "kg/m^3?",
         where, speed, slowest, fastest);
   }
   if (settlement > largest_share * column.height) {

@@ -23,14 +23,14 @@ std::vector<Key> cam_clay_keys() {
               .in(inside(0, 3))
               .when("law", clay),
           key::number("reference_pressure", "Pa",
-                      "Pressure at which `density` is given, and the stiffness of what knows no "
-                      "pressure (contact, checks): one that is typical of the body.")
+                      "Pressure at which `density` is given, typical of the body. Contact and "
+                      "checks use the stiffness at this pressure.")
               .in(positive())
               .when("law", clay),
           key::number("attraction", "Pa",
-                      "Isotropic tension at the tip of the yield ellipse, c cot(phi) of a "
-                      "cemented soil. The soil bears no tension; its shear strength without "
-                      "pressure grows with it, and so does its stiffness there.")
+                      "Isotropic tension at the tip of the yield ellipse, c cot(phi) of a cemented "
+                      "soil. The soil bears no tension, but its shear strength and stiffness at "
+                      "zero pressure grow with this value.")
               .in(positive())
               .or_computed("reference_pressure / 1000")
               .when("law", clay)};

@@ -25,14 +25,15 @@ std::vector<Key> elasticity_keys(const std::vector<std::string>& laws) {
   };
   const Key modulus = key::number("young_modulus", "Pa", "Young's modulus.").in(positive());
   const Key ratio = key::number("poisson_ratio", "", "Poisson's ratio.").in(inside(-1, 0.5));
-  return {key::number("density", "kg/m^3", "Mass of a unit volume that is free of stress.")
+  return {key::number("density", "kg/m^3", "Mass per volume in the state free of stress.")
               .in(positive()),
           but(modulus, {"cam_clay", "newtonian", "umat"}), but(ratio, {"newtonian", "umat"})};
 }
 
 std::vector<Key> strength_keys() {
   const std::string angle = "an angle in degrees, 0 < friction_angle < 90";
-  return {key::number("friction_angle", "deg", "Angle of friction phi; soil without is `tresca`.")
+  return {key::number("friction_angle", "deg",
+                      "Angle of friction phi; soil without friction has the law `tresca`.")
               .in(in_words(inside(0, 90), angle + "; soil without friction is \"law\": \"tresca\""))
               .when("law", with_friction),
           key::number("dilation_angle", "deg", "Angle of dilation psi, at most `friction_angle`.")
@@ -47,8 +48,8 @@ std::vector<Key> strength_keys() {
               .in(positive())
               .when("law", {"tresca"}),
           key::choice("match", {"plane_strain", "compression", "extension"},
-                      "Where the cone carries what Mohr-Coulomb carries: plane strain, triaxial "
-                      "compression or triaxial extension.")
+                      "State in which the cone has the strength of Mohr-Coulomb: plane strain, "
+                      "triaxial compression or triaxial extension.")
               .or_else("plane_strain")
               .when("law", {"drucker_prager"}),
           key::number("tension_cutoff", "Pa",
@@ -66,7 +67,7 @@ std::vector<Key> strength_keys() {
 std::vector<Key> flow_keys() {
   const std::vector<std::string> fluid = {"herschel_bulkley"};
   return {
-      key::number("yield_stress", "Pa", "Shear stress above which it flows.")
+      key::number("yield_stress", "Pa", "Shear stress above which the soil flows.")
           .in(non_negative())
           .when("law", fluid),
       key::number("consistency", "Pa s^n",
@@ -85,7 +86,7 @@ std::vector<Key> newtonian_keys() {
   return {
       key::number("sound_speed", "m/s",
                   "Speed of sound c; the bulk modulus is rho c^2. Ten times the fastest flow keeps "
-                  "the density within 1 %; more makes steps shorter or harder to solve.")
+                  "the density within 1 %; a larger value makes steps shorter or harder to solve.")
           .in(positive())
           .when("law", fluid),
       key::number("viscosity", "Pa s", "Dynamic viscosity.").in(non_negative()).when("law", fluid),
@@ -123,20 +124,22 @@ std::vector<Key> granular_keys() {
 std::vector<Key> apex_keys() {
   const std::vector<std::string> words = {"gap", "forget"};
   return {key::choice("apex_volume", words,
-                      "What becomes of volume that opens without stress: `gap`: it closes before "
-                      "pressure builds, `forget`: recompression builds pressure at once.")
+                      "What happens to volume that opens without stress. `gap`: it has to close "
+                      "before pressure builds up; `forget`: recompression builds up pressure at "
+                      "once.")
               .or_else("gap")
               .when("law", {"mohr_coulomb", "drucker_prager", "mu_i"}),
           key::choice("apex_volume", words,
-                      "The same of volume that opens with all three principal stresses at the "
-                      "cut-off.")
+                      "What happens to volume that opens while all three principal stresses are at "
+                      "the cut-off. `gap`: it has to close before pressure builds up; `forget`: "
+                      "recompression builds up pressure at once.")
               .or_else("gap")
               .when("law", {"tresca"})
               .with("tension_cutoff")};
 }
 
 std::vector<Key> softening_key() {
-  const std::string sentence = "Strength that changes with shear; else it is constant.";
+  const std::string sentence = "Strength that changes with shear; none: it is constant.";
   return {
       key::object("softening", softening_keys(true), sentence)
           .or_none()

@@ -24,11 +24,24 @@ Key table_of(const std::string& name, const std::string& shear, const std::strin
              name, unit + (frictional ? ", Pa, deg, deg" : ", Pa"),
              "Rows [" + shear +
                  (frictional ? ", cohesion, friction_angle, dilation_angle]" : ", cohesion]") +
-                 " after the virgin soil, whose strength stands beside: monotone cubics "
-                 "between rows, held after the last.")
+                 " that follow the strength of the virgin soil, which other keys give. Monotone "
+                 "cubics between rows, constant after the last.")
       .wide(width, width)
       .not_empty()
       .or_none();
+}
+
+std::vector<Key> rate_keys() {
+  return {key::number("rate_gain", "",
+                      "Share by which the strength grows with each decade of the shear rate, far "
+                      "above `reference_rate`: 0.05 to 0.2 in clay. Without `relaxation_time`.")
+              .in(positive())
+              .or_none(),
+          key::number("reference_rate", "1/s",
+                      "Shear rate of the test that measured the strength; a logarithm begins "
+                      "there: far below it the strength does not depend on the rate.")
+              .in(positive())
+              .with("rate_gain")};
 }
 
 Strength strength_of(const VirginSoil& soil) {
@@ -151,48 +164,48 @@ std::string given_curve(const ConfigReader& in) {
 KeyTable softening_keys(bool frictional) {
   KeyTable table{
       frictional ? "softening" : "tresca_softening",
-      "How the strength changes with the shear that a point has seen. By `slip`, or a `table` of "
-      "slips, results do not depend on the grid; by strain they do.",
+      "How the strength of a point changes with its accumulated shear. With `slip`, or a `table` "
+      "of slips, results do not depend on the grid; with strains they do.",
       {key::number("slip", "m",
-                   "Slip of a surface over which the strength falls to 1/e of what it loses, or "
-                   "gains: exponential.")
+                   "Slip of a shear surface over which 1 - 1/e of the change of strength takes "
+                   "place; the law is exponential.")
            .in(positive())
            .or_none(),
        key::number("strain", "",
-                   "The same by the deviatoric plastic strain: for studies of elements; the work "
-                   "of a surface shrinks with the cells.")
+                   "Deviatoric plastic strain over which that change takes place. For tests of "
+                   "single elements only: the work of a shear surface shrinks with the cells.")
            .in(positive())
            .or_none(),
        table_of("table", "slip", "m", frictional),
        table_of("strain_table", "deviatoric plastic strain", "-", frictional)}};
   table.one_of = {"slip", "strain", "table", "strain_table"};
-  Key residual = key::number("residual_cohesion", "Pa", "Cohesion in the end, before remoulding.")
+  Key residual = key::number("residual_cohesion", "Pa", "Residual cohesion, before remoulding.")
                      .in(frictional ? non_negative() : positive())
                      .or_computed("cohesion");
   table.keys.push_back(without_tables(residual));
   if (frictional) {
-    table.keys.push_back(without_tables(
-        key::number("residual_friction_angle", "deg", "Angle of friction in the end.")
-            .in(inside(0, 90))
-            .or_computed("friction_angle")));
+    table.keys.push_back(
+        without_tables(key::number("residual_friction_angle", "deg", "Residual angle of friction.")
+                           .in(inside(0, 90))
+                           .or_computed("friction_angle")));
     table.keys.push_back(without_tables(
         key::choice("dilation", {"exponential", "rowe"},
-                    "How the dilation dies. `exponential`: from `dilation_angle` with the "
-                    "strength; `rowe`: it follows from friction, none at "
+                    "How the dilation decreases. `exponential`: from `dilation_angle`, together "
+                    "with the strength; `rowe`: it follows from the friction and is zero at "
                     "`residual_friction_angle`; `dilation_angle` is not used.")
             .or_else("exponential")));
   } else {
     table.keys.push_back(
         key::number("remoulded_cohesion", "Pa",
-                    "Strength of the clay when it is remoulded, after the residual one.")
+                    "Strength of the remoulded clay, to which the residual strength falls.")
             .in(positive())
             .or_none()
             .with("slip"));
     table.keys.push_back(
-        key::number("remoulding_slip", "m",
-                    "Slip over which the residual strength falls to it, as `slip`.")
+        key::number("remoulding_slip", "m", "Slip over which 1 - 1/e of that fall takes place.")
             .in(positive())
             .with("remoulded_cohesion"));
+    for (const Key& key : rate_keys()) table.keys.push_back(key);
   }
   table.keys.push_back(
       key::number(
@@ -213,6 +226,17 @@ void read_softening(ConfigReader in, const VirginSoil& virgin, SofteningParamete
   }
   parameters.by_slip = given == "slip" || given == "table";
   parameters.relaxation_time = in.number("relaxation_time");
+  if (!frictional) {
+    if (const auto gain = in.optional_number("rate_gain")) {
+      parameters.rate_gain = {*gain, in.number("reference_rate")};
+      if (parameters.relaxation_time > 0) {
+        in.fail("rate_gain",
+                fmt::format("found {} beside \"relaxation_time\": {}, allowed: one of the two, the "
+                            "rate of a stress that lags behind is not that of the soil",
+                            *gain, parameters.relaxation_time));
+      }
+    }
+  }
   const bool has_apex = frictional || parameters.tension_cutoff != no_cutoff;
   if (parameters.relaxation_time > 0 && has_apex && parameters.apex_volume == ApexVolume::gap) {
     in.fail("relaxation_time",

@@ -16,7 +16,8 @@ struct VirginSoil {
   double dilation_angle = 0;  ///< [degrees]
 };
 
-/// Read what softening_keys() lists into curve, by_slip and relaxation_time; checks all parameters.
+/// Read what softening_keys() lists into curve, by_slip, relaxation_time and rate_gain; checks all
+/// parameters.
 /// @param parameters  the rest of them is set
 void read_softening(ConfigReader in, const VirginSoil& virgin, SofteningParameters& parameters);
 

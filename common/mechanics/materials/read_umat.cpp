@@ -23,7 +23,7 @@ std::vector<Key> umat_keys() {
           .or_none()
           .when("law", umat),
       key::vector("initial_variables", "",
-                  "STATEV of virgin soil; their number is NSTATV. Without: none.")
+                  "STATEV of virgin soil; their number is NSTATV. None: no state variables.")
           .wide(0, most_umat_variables)
           .or_none()
           .when("law", umat),

@@ -20,8 +20,8 @@ class RotationWarning {
     if (!(angle >= next_)) return;
     while (next_ <= angle) next_ *= 2;
     log::warn(
-        "{}: linear_elastic has turned by {:.0f} degrees and takes that for a strain of {:.2g} %: "
-        "lengths and stresses are wrong by as much; neo_hookean and hencky_elastic are not",
+        "{}: linear_elastic has rotated by {:.0f} degrees and takes that for a strain of {:.2g} %: "
+        "lengths and stresses are wrong by as much; neo_hookean and hencky_elastic bear rotations",
         what, angle * 180 / std::numbers::pi, 100 * (1 - std::cos(angle)));
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace gabion {
 namespace {
@@ -97,7 +98,7 @@ struct Residual {
 // r and dr/dkappa at `returned.kappa`; fills the rest of `returned`.
 Residual residual_at(const SofteningSurface& surface, const ShearSoFar& before, const Vector3d& eps,
                      const Vector3d& tau_trial, SofteningReturn& returned) {
-  returned.constants = surface.at(before.x + before.rate * returned.kappa, before.rate);
+  returned.constants = surface.in_step(before, returned.kappa);
   returned.state = closed_form(surface, returned.constants, eps, tau_trial);
   const Vector3d flow = deviator(returned.state.plastic);
   const double size = flow.norm();
@@ -126,6 +127,23 @@ SoftenedConstants SofteningSurface::at(double x, double rate) const {
   if (cutoff_share != no_cutoff) {
     now.tension_cutoff = cutoff_share * value.cohesion;
     now.cutoff_slope = cutoff_share * rate * slope.cohesion;
+  }
+  return now;
+}
+
+SoftenedConstants SofteningSurface::in_step(const ShearSoFar& before, double kappa) const {
+  SoftenedConstants now = at(before.x + before.rate * kappa, before.rate);
+  if (rate_gain.gain == 0) return now;
+  // The shear rate is sqrt(3) kappa / dt.
+  const double width = 2 * rate_gain.reference * before.dt / std::numbers::sqrt3;
+  const double share = rate_gain.gain / std::numbers::ln10;
+  const double factor = 1 + share * std::asinh(kappa / width);
+  const double slope = share / std::hypot(kappa, width);
+  now.strength_slope = factor * now.strength_slope + slope * now.law.strength;
+  now.law.strength *= factor;
+  if (now.tension_cutoff != no_cutoff) {
+    now.cutoff_slope = factor * now.cutoff_slope + slope * now.tension_cutoff;
+    now.tension_cutoff *= factor;
   }
   return now;
 }

@@ -1,10 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
+
 #include "common/mechanics/materials/principal_surface.hpp"
 #include "common/mechanics/materials/strength_curve.hpp"
 
 namespace gabion {
+
+/// Shear that a point has seen, and what strain adds to it.
+struct ShearSoFar {
+  double x = 0;                                         ///< of the curve
+  double rate = 1;                                      ///< dx / d kappa
+  double dt = std::numeric_limits<double>::infinity();  ///< of the step [s]
+};
 
 /// Constants of Mohr-Coulomb or Tresca at one state of softening, with their derivatives by the
 /// softening strain kappa.
@@ -12,6 +21,16 @@ struct SoftenedConstants {
   PrincipalMohrCoulomb law;
   double tension_cutoff = no_cutoff;  ///< [Pa]
   double k_slope = 0, m_slope = 0, strength_slope = 0, cutoff_slope = 0;
+};
+
+/// Strength that grows with the logarithm of the shear rate,
+///
+///     c (1 + gain / ln 10 asinh(rate / (2 reference)))
+///
+/// by the share `gain` a decade far above the reference, not at all far below it.
+struct RateGain {
+  double gain = 0;       ///< share a decade; 0: none
+  double reference = 0;  ///< engineering shear rate [1/s]
 };
 
 /// Mohr-Coulomb or Tresca whose strength depends on the shear since the virgin state.
@@ -22,9 +41,12 @@ struct SofteningSurface {
   bool frictional = true;    ///< false: Tresca
   /// Tension cut-off by the cohesion, or no_cutoff.
   double cutoff_share = no_cutoff;
+  RateGain rate_gain = {};  ///< Tresca alone
 
-  /// @param x  shear of the curve  @param rate  dx / d kappa
+  /// Constants where nothing shears. @param x  shear of the curve  @param rate  dx / d kappa
   SoftenedConstants at(double x, double rate) const;
+  /// Constants after an increment of kappa in a step.
+  SoftenedConstants in_step(const ShearSoFar& before, double kappa) const;
 };
 
 /// A return to the surface as it is at its end.
@@ -35,12 +57,6 @@ struct SofteningReturn {
   Eigen::Vector3d eps_e_slope;  ///< d eps_e / d kappa at constant trial strain
   Eigen::Vector3d direction;    ///< d kappa / d eps of the plastic strain
   double slope = 1;             ///< of kappa - |..|, see solve_softening_return()
-};
-
-/// Shear that a point has seen, and what strain adds to it.
-struct ShearSoFar {
-  double x = 0;     ///< of the curve
-  double rate = 1;  ///< dx / d kappa
 };
 
 /// Solve, for the softening strain kappa that the step adds,

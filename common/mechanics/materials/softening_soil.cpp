@@ -21,6 +21,7 @@ struct Surface {
   const ShearSoFar& before;
   const SoftenedConstants& start;
   bool gap;
+  bool at_once;  // no time to flow in, though the strength grows with the rate without bound
   double share;
   double& kappa;  // what the step adds
   bool& solved;
@@ -29,7 +30,7 @@ struct Surface {
   double mu() const { return soil.mu; }
   bool keeps_gap() const { return gap; }
   bool yields(const Eigen::Vector3d& eps, const Eigen::Vector3d& tau_trial) const {
-    return principal(start).yields(eps, tau_trial);
+    return !at_once && principal(start).yields(eps, tau_trial);
   }
   Return return_to_surface(const Eigen::Vector3d& eps, const Eigen::Vector3d& tau_trial) const {
     Return found;
@@ -68,7 +69,8 @@ SofteningSurface surface_of(const SofteningParameters& p) {
           .frictional = p.frictional,
           .cutoff_share = p.tension_cutoff == no_cutoff
                               ? no_cutoff
-                              : p.tension_cutoff / p.curve.at(0).value.cohesion};
+                              : p.tension_cutoff / p.curve.at(0).value.cohesion,
+          .rate_gain = p.rate_gain};
 }
 
 }  // namespace
@@ -82,8 +84,9 @@ SofteningSoil<dim>::SofteningSoil(const SofteningParameters& parameters)
 
 template <int dim>
 ShearSoFar SofteningSoil<dim>::shear_of(const PointContext& context) const {
-  if (!parameters_.by_slip) return {.x = context.internal[0], .rate = 1};
-  return {.x = context.internal[1], .rate = std::numbers::sqrt3 * context.band_width};
+  if (!parameters_.by_slip) return {.x = context.internal[0], .rate = 1, .dt = context.dt};
+  return {
+      .x = context.internal[1], .rate = std::numbers::sqrt3 * context.band_width, .dt = context.dt};
 }
 
 template <int dim>
@@ -100,6 +103,7 @@ bool SofteningSoil<dim>::update(const PointContext& context, const Matrix<dim>& 
                         .before = before,
                         .start = start,
                         .gap = parameters_.apex_volume == ApexVolume::gap,
+                        .at_once = parameters_.rate_gain.gain > 0 && context.dt == 0,
                         .share = t_v > 0 ? 1 / (1 + t_v / context.dt) : 1,
                         .kappa = kappa,
                         .solved = solved};

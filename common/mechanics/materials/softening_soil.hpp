@@ -19,7 +19,8 @@ struct SofteningParameters {
   bool frictional = true;      ///< Mohr-Coulomb; false: Tresca, all angles of the curve 0
   bool by_slip = true;         ///< the curve's shear is the slip [m]; false: kappa
   double friction_angle = 0;   ///< of the virgin soil [rad]
-  double relaxation_time = 0;  ///< t_v of Duvaut and Lions [s], >= 0
+  double relaxation_time = 0;  ///< t_v of Duvaut and Lions [s], >= 0; 0 with a rate gain
+  RateGain rate_gain = {};     ///< Tresca alone
   ApexVolume apex_volume =
       ApexVolume::gap;                ///< forget where there is a relaxation time and an apex
   double tension_cutoff = no_cutoff;  ///< of the virgin soil [Pa], scaled with the cohesion

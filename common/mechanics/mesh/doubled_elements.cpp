@@ -139,7 +139,7 @@ void settle_doubled_cells(MeshOrigin& origin, Mesh<dim>& mesh) {
   const CellCopies<dim> copies(origin, mesh);
   const std::vector<std::int32_t>& which = copies.cells();
   if (which.empty()) return;
-  log::info("{}: {} cells stand in the file once for each of their physical groups, and count once",
+  log::info("{}: {} cells are in the file once for each of their physical groups; each counts once",
             origin.path, which.size());
   Mesh<dim> all = std::move(mesh);
   const std::vector<FileElement> elements = std::move(origin.cells);
@@ -189,7 +189,7 @@ void settle_doubled_facets(MeshOrigin& origin, Mesh<dim>& mesh) {
     });
     const auto count = std::count(is_copy.begin(), is_copy.end(), 1);
     if (count == 0) continue;
-    log::info("{}: {} facets of group \"{}\" stand in the file more than once, and count once",
+    log::info("{}: {} facets of group \"{}\" are in the file more than once; each counts once",
               origin.path, count, group);
     std::vector<std::int32_t> kept;
     for (std::int32_t f = 0; f < num_facets; ++f) {

@@ -17,10 +17,19 @@
 #include "common/mechanics/mesh/gmsh_file.hpp"
 #include "common/mechanics/mesh/gmsh_lines.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
+#include "common/mechanics/mesh/surface_mesh.hpp"
 
 namespace gabion {
 
 namespace {
+
+/// What the caller wants of a file.
+struct MeshWish {
+  const LineGroupNames& lines;
+  CellOrders orders = CellOrders::linear;
+  /// Facet groups whose facets have to be those of cells; null: all.
+  const std::vector<std::string>* facets = nullptr;
+};
 
 CellType cell_type_of(int gmsh_type) {
   return cell_type_of_gmsh(gmsh_type).value_or(CellType::point1);
@@ -101,16 +110,16 @@ std::unordered_map<std::uint64_t, std::size_t> index_nodes(const GmshFile& file,
 template <int dim>
 class MeshBuilder {
  public:
-  MeshBuilder(const GmshFile& file, const std::string& path, const LineGroupNames& lines,
-              CellOrders orders)
+  MeshBuilder(const GmshFile& file, const std::string& path, const MeshWish& wish)
       : file_(file),
         path_(path),
-        lines_(lines),
+        lines_(wish.lines),
+        wanted_facets_(wish.facets),
         position_of_tag_(index_nodes(file, path)),
         origin_{.file = file, .path = path, .cells = {}, .facets = {}} {
     const bool has_lines = std::ranges::any_of(
         file.element_blocks, [this](const auto& block) { return !line_groups_of(block).empty(); });
-    mesh_.cell_type = find_cell_type<dim>(file, path, has_lines, orders);
+    mesh_.cell_type = find_cell_type<dim>(file, path, has_lines, wish.orders);
   }
 
   Mesh<dim> build() {
@@ -260,16 +269,26 @@ class MeshBuilder {
     return smallest;
   }
 
+  /// Whether facets of these groups may belong to no cell, such as ropes of the plane beside them.
+  bool may_be_loose(const std::vector<std::string>& groups) const {
+    return wanted_facets_ && std::ranges::none_of(groups, [this](const auto& group) {
+             return std::ranges::find(*wanted_facets_, group) != wanted_facets_->end();
+           });
+  }
+
   void add_facets(const GmshFile::ElementBlock& block, const FacetOwners& owners) {
     const auto groups = group_names(file_, block);
     const CellType type = facet_type(mesh_.cell_type);
     const std::size_t n = gmsh_num_nodes(block.type);
     if (groups.empty() || block.tags.empty()) return;
+    const bool loose = may_be_loose(groups);
     std::vector<std::int32_t> facets;
+    std::vector<FileElement> origins;
     for (std::size_t first = 0; first < block.nodes.size(); first += n) {
       std::array<std::int32_t, max_facet_nodes> facet;
       for (std::size_t a = 0; a < n; ++a) facet[a] = number_[position(block.nodes[first + a])];
       const auto found = owners.find({facet.data(), n});
+      if (found.empty() && loose) continue;
       const bool between_lines = mesh_.num_lines() > 0 && cell_type_of(block.type) == type &&
                                  std::all_of(facet.begin(), facet.begin() + n, [&](std::int32_t i) {
                                    return i >= 0 && on_line_[i] != 0;
@@ -282,11 +301,14 @@ class MeshBuilder {
           fmt::join(block.nodes.begin() + first, block.nodes.begin() + first + n, ", "));
       if (found.size() == 1) facet = cell_facet(mesh_, found[0].cell, found[0].facet);
       facets.insert(facets.end(), facet.begin(), facet.begin() + n);
+      origins.push_back({&block, block.tags[first / n]});
     }
+    if (facets.empty()) return;
     for (const auto& group : groups) {
       auto& all = mesh_.facet_groups[group];
       all.insert(all.end(), facets.begin(), facets.end());
-      for (std::uint64_t tag : block.tags) origin_.facets[group].push_back({&block, tag});
+      auto& all_origins = origin_.facets[group];
+      all_origins.insert(all_origins.end(), origins.begin(), origins.end());
     }
   }
 
@@ -295,6 +317,7 @@ class MeshBuilder {
     for (const auto& [key, name] : file_.physical_names) {
       const bool is_facets = key.first == dim - 1;
       if (!is_facets && key.first != dim) continue;
+      if (is_facets && may_be_loose({name})) continue;
       if (is_facets ? mesh_.facet_groups.contains(name) : mesh_.cell_groups.contains(name))
         continue;
       log::warn("{}: section $PhysicalNames: found the name \"{}\" of a group of {} that has none",
@@ -305,6 +328,7 @@ class MeshBuilder {
   const GmshFile& file_;
   const std::string& path_;
   const LineGroupNames& lines_;
+  const std::vector<std::string>* wanted_facets_;
   std::unordered_map<std::uint64_t, std::size_t> position_of_tag_;
   MeshOrigin origin_;
   std::vector<std::int32_t> number_;  // by position in the file; -1: no cell uses it
@@ -317,10 +341,19 @@ class MeshBuilder {
 template <int dim>
 Mesh<dim> read_gmsh(const std::string& path, const LineGroupNames& lines, CellOrders orders) {
   const GmshFile file = read_gmsh_file(path);
-  return MeshBuilder<dim>(file, path, lines, orders).build();
+  return MeshBuilder<dim>(file, path, {.lines = lines, .orders = orders}).build();
+}
+
+template <int dim>
+Mesh<dim> read_gmsh_surface(const std::string& path, const std::vector<std::string>& groups) {
+  const GmshFile file = read_gmsh_file(path);
+  const LineGroupNames no_lines;
+  return MeshBuilder<dim>(file, path, {.lines = no_lines, .facets = &groups}).build();
 }
 
 template Mesh<2> read_gmsh(const std::string&, const LineGroupNames&, CellOrders);
 template Mesh<3> read_gmsh(const std::string&, const LineGroupNames&, CellOrders);
+template Mesh<2> read_gmsh_surface(const std::string&, const std::vector<std::string>&);
+template Mesh<3> read_gmsh_surface(const std::string&, const std::vector<std::string>&);
 
 }  // namespace gabion

@@ -12,6 +12,7 @@
 #include "common/base/error.hpp"
 #include "common/base/log.hpp"
 #include "common/mechanics/elements/shape_functions.hpp"
+#include "common/mechanics/mesh/surface_mesh.hpp"
 
 namespace gabion {
 
@@ -147,14 +148,14 @@ KeyTable box_keys() {
        key::choice(
            "type",
            {"tri3", "quad4", "tet4", "hex8", "tri6", "quad8", "quad9", "tet10", "hex20", "hex27"},
-           "Cells: in 2D `tri3` or `quad4`, in 3D `tet4` or `hex8`; of a structure also "
-           "quadratic ones, in 2D `tri6`, `quad8` or `quad9`, in 3D `tet10`, `hex20` or "
+           "Cell type: in 2D `tri3` or `quad4`, in 3D `tet4` or `hex8`. Structures may have "
+           "quadratic cells too: in 2D `tri6`, `quad8` or `quad9`, in 3D `tet10`, `hex20` or "
            "`hex27`."),
        key::boolean(
            "alternate",
-           "Diagonals of triangles and tetrahedra change direction from cell to cell, which "
-           "favours no side where the numbers of cells are even; five tetrahedra a "
-           "brick instead of six.")
+           "Whether diagonals of triangles and tetrahedra change direction from cell to cell. No "
+           "direction is favoured then where the numbers of cells are even; a brick has five "
+           "tetrahedra instead of six.")
            .or_computed("true with `tet4` and `tet10`, else false")}};
 }
 
@@ -162,8 +163,8 @@ KeyTable box_keys() {
 
 KeyTable mesh_keys() {
   return {"mesh",
-          "A mesh of one cell type: tri3, quad4, tet4, hex8, or, of a structure, quadratic cells "
-          "(tri6, quad8, quad9, tet10, hex20, hex27).",
+          "A mesh of one cell type: tri3, quad4, tet4 or hex8; a structure may have quadratic "
+          "cells too (tri6, quad8, quad9, tet10, hex20, hex27).",
           {key::text("file",
                      "Gmsh file, format 4.1, relative to the scene; its physical groups of "
                      "facets are the facet groups.")
@@ -188,16 +189,35 @@ std::variant<BoxShape<dim>, std::string> read_box_or_file(ConfigReader in, CellO
   return file;
 }
 
-template <int dim>
-Mesh<dim> read_mesh_file(const Scene& scene, const ConfigReader& in, const std::string& file,
-                         const LineGroupNames& lines, CellOrders orders) {
+namespace {
+
+/// The mesh of a file of the scene; errors name the key.
+template <class Read>
+auto read_named_file(const ConfigReader& in, const std::string& file, const Read& read) {
   try {
-    Mesh<dim> mesh = read_gmsh<dim>(scene.path(file), lines, orders);
+    auto mesh = read();
     mesh.file = file;
     return mesh;
   } catch (const ConfigError& error) {
     in.fail("file", error.what());
   }
+}
+
+template <int dim>
+Mesh<dim> mesh_of_box(const ConfigReader& in, const BoxShape<dim>& box) {
+  try {
+    return box_mesh<dim>(box.low, box.high, box.num_cells, box.cell_type, box.alternate);
+  } catch (const ConfigError& error) {
+    in.fail("box/cells", error.what());
+  }
+}
+
+}  // namespace
+
+template <int dim>
+Mesh<dim> read_mesh_file(const Scene& scene, const ConfigReader& in, const std::string& file,
+                         const LineGroupNames& lines, CellOrders orders) {
+  return read_named_file(in, file, [&] { return read_gmsh<dim>(scene.path(file), lines, orders); });
 }
 
 template <int dim>
@@ -214,12 +234,18 @@ Mesh<dim> read_mesh(const Scene& scene, ConfigReader in, const LineGroupNames& l
   if (const auto* file = std::get_if<std::string>(&read)) {
     return read_mesh_file<dim>(scene, in, *file, lines, orders);
   }
-  const auto& box = std::get<BoxShape<dim>>(read);
-  try {
-    return box_mesh<dim>(box.low, box.high, box.num_cells, box.cell_type, box.alternate);
-  } catch (const ConfigError& error) {
-    in.fail("box/cells", error.what());
+  return mesh_of_box(in, std::get<BoxShape<dim>>(read));
+}
+
+template <int dim>
+Mesh<dim> read_surface_mesh(const Scene& scene, ConfigReader in,
+                            const std::vector<std::string>& groups) {
+  const auto read = read_box_or_file<dim>(in);
+  if (const auto* file = std::get_if<std::string>(&read)) {
+    return read_named_file(in, *file,
+                           [&] { return read_gmsh_surface<dim>(scene.path(*file), groups); });
   }
+  return mesh_of_box(in, std::get<BoxShape<dim>>(read));
 }
 
 template <int dim>
@@ -247,6 +273,8 @@ template std::variant<BoxShape<2>, Mesh<2>> read_box_or_mesh(const Scene&, Confi
 template std::variant<BoxShape<3>, Mesh<3>> read_box_or_mesh(const Scene&, ConfigReader);
 template Mesh<2> read_mesh(const Scene&, ConfigReader, const LineGroupNames&, CellOrders);
 template Mesh<3> read_mesh(const Scene&, ConfigReader, const LineGroupNames&, CellOrders);
+template Mesh<2> read_surface_mesh(const Scene&, ConfigReader, const std::vector<std::string>&);
+template Mesh<3> read_surface_mesh(const Scene&, ConfigReader, const std::vector<std::string>&);
 template void warn_of_cell_groups(const Mesh<2>&, const std::string&);
 template void warn_of_cell_groups(const Mesh<3>&, const std::string&);
 

@@ -108,10 +108,12 @@ class Newton {
 
   std::vector<double> r_, step_, trial_, trial_r_;
   Iterate current_;
-  std::string rejection_;       // why the last trial state was refused
-  double step_size_ = 0;        // largest |step| of a node before any cut
-  double cut_ = 1;              // s of the last line search
-  bool supported_ = false;      // the step at hand
+  std::string rejection_;   // why the last trial state was refused
+  double step_size_ = 0;    // largest |step| of a node before any cut
+  double cut_ = 1;          // s of the last line search
+  bool supported_ = false;  // the step at hand
+  // supported steps in a row within both limits: no force moves the loose parts
+  int idle_supports_ = 0;
   bool wants_support_ = false;  // the next step: K was singular but for round-off
   bool matrix_is_old_ = false;  // the linear solver holds the matrix of an earlier iterate
   Regularisation regularisation_;
@@ -303,7 +305,8 @@ bool Newton<block_size>::goes_in_circles() const {
 // Whether the iterate is the solution after a step was taken.
 template <int block_size>
 bool Newton<block_size>::is_converged() const {
-  if (regularisation_.active() || supported_) return false;
+  if (regularisation_.active()) return false;
+  if (supported_) return idle_supports_ == 2;
   return (current_.small_residual && is_small(cut_ * step_size_)) ||
          (!matrix_is_old_ && step_size_ <= increment_round_off * problem_.increment_scale());
 }
@@ -336,6 +339,8 @@ NewtonReport Newton<block_size>::run() {
     solve_linear();
     const double norm_before = current_.norm;
     if (line_search()) {
+      const bool is_idle = supported_ && current_.small_residual && is_small(step_size_);
+      idle_supports_ = is_idle ? idle_supports_ + 1 : 0;
       converged = is_converged();
       matrix_is_usable = settings_.reuse_matrix && !regularisation_.active() && !supported_ &&
                          (converged || current_.norm <= reuse_reduction * norm_before);

@@ -102,7 +102,7 @@ struct NewtonReport {
 /// step within both limits that leads out of the first, as over a kink, is not taken: the iterate
 /// before it is the solution. With force_scale 0 only r = 0 converges.
 ///
-/// Where r has kinks, such as soil that comes loose, s may be refused at any size and full steps
+/// At kinks of r, such as soil that loses contact, s may be refused at any size and full steps
 /// may jump to and fro for ever. Then K is regularised there (NewtonProblem::regularise,
 /// Regularisation): s counts as good up to twice |r|, and only a step without regularisation ends
 /// the search. Within the limit of |r| the regularisation is taken off. It changes K alone: the

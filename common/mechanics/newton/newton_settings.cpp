@@ -19,20 +19,22 @@ KeyTable newton_keys(const NewtonSettings& defaults) {
       "Newton's method for the displacements of a step.",
       {key::number("residual_tolerance", "",
                    "Residual |r| over the largest of |f_int|, |f_ext|, |f_inertia| (of the soil "
-                   "also 1e-3 |m v| / dt); below 1e-13 rounding alone may keep it larger. From the "
-                   "second coupling iteration on the soil takes a hundredth of it.")
+                   "also 1e-3 |m v| / dt); below 1e-13 rounding alone may keep the residual "
+                   "larger. From the second coupling iteration on the soil uses a hundredth of "
+                   "this tolerance.")
            .in(in_words(between(epsilon, 0.1),
                         "a number from 2.3e-16 (rounding of the forces) to 0.1"))
            .or_else(defaults.residual_tolerance),
-       key::number("increment_tolerance", "", "Largest nodal step over the mean cell size.")
+       key::number("increment_tolerance", "",
+                   "Largest increment of a node over the mean cell size.")
            .in({.low = 0, .high = 1, .low_open = true, .allowed = "a number in (0, 1]"})
            .or_else(defaults.increment_tolerance),
-       key::integer("max_iterations", "After so many iterations the step has failed.")
+       key::integer("max_iterations", "Number of iterations after which the step has failed.")
            .in(at_least(1))
            .or_else(defaults.max_iterations),
        key::boolean("reuse_matrix",
-                    "Keep the matrix and its factor while |r| falls by more than a factor 4 an "
-                    "iteration.")
+                    "Whether the matrix and its factors are kept while |r| falls by more than a "
+                    "factor of 4 per iteration.")
            .or_else(defaults.reuse_matrix)}};
 }
 

@@ -21,7 +21,7 @@ struct OutputField {
   int components = 1;
   std::span<const double> values = {};
   bool on_cells = false;
-  /// Instead of `values`: makes them when they are written, and they are given up then. On several
+  /// Instead of `values`: makes them when they are written, and they are released then. On several
   /// ranks it may be collective.
   std::function<std::vector<double>()> make = {};
 };

@@ -118,24 +118,25 @@ KeyTable linear_solver_keys() {
       "linear_solver",
       "How each linear system of Newton's method is solved.",
       {key::choice("method", {"auto", "lu", "mumps", "bicgstab", "gmres", "cg"},
-                   "`auto`: what is fastest for size, shape and step (docs/measured/solvers.md); "
-                   "direct: `lu` (node blocks, one "
-                   "rank; on several it is `mumps`), `mumps`; Krylov: the others.")
+                   "`auto`: the fastest one for size, shape and step (docs/measured/solvers.md). "
+                   "Direct methods: `lu` (node blocks; on several ranks it is `mumps`) and "
+                   "`mumps`. Krylov methods: the others.")
            .or_else(defaults.method),
        key::choice("preconditioner", {"auto", "jacobi", "ilu", "multigrid"},
-                   "Of a Krylov method: `jacobi` (node blocks), `ilu` (node blocks, no fill) or "
-                   "`multigrid` (smoothed aggregation); with a direct method only `auto`.")
+                   "Preconditioner of a Krylov method: `jacobi` (node blocks), `ilu` (node blocks, "
+                   "no fill) or `multigrid` (smoothed aggregation); with a direct method only "
+                   "`auto`.")
            .or_else(defaults.preconditioner),
        key::number("tolerance", "",
-                   "True residual over the right-hand side: the smallest that Newton's method "
-                   "may ask for.")
+                   "Smallest true residual, over the right-hand side, that Newton's method may ask "
+                   "for.")
            .in(in_words(between(std::numeric_limits<double>::epsilon(), 1e-2),
                         "a number from 2.3e-16 (rounding of the right-hand side) to 0.01"))
            .or_else(defaults.tolerance),
        key::integer(
            "max_iterations",
-           "Of a Krylov method: after so many the direct one takes over, for this step and "
-           "4 more, twice as many after each further failure in a row, up to 64.")
+           "Iterations of a Krylov method after which the direct one takes over, for this step and "
+           "4 more. Each further failure in a row doubles that number of steps, up to 64.")
            .in(at_least(1))
            .or_else(defaults.max_iterations)}};
 }

@@ -21,8 +21,8 @@ namespace {
 
 constexpr double direct_tolerance = 1e-8;
 
-// The same where round-off is accepted of the last method: a singular matrix leaves nearly all of
-// b.
+// Tolerance of the last method where round-off is accepted: a singular matrix leaves nearly all
+// of b.
 constexpr double round_off_tolerance = 1e-5;
 
 // The residual that a Krylov method carries along is the true one but for rounding of some 1e-16
@@ -233,7 +233,7 @@ void LinearSolver<block_size>::set_regime(const LinearRegime& regime, std::int64
 
 template <int block_size>
 std::span<double> LinearSolver<block_size>::make_room(const BlockMatrix<block_size>& K) {
-  // A rank may be alone with its new pattern, and what was set up is given up by all together.
+  // A rank may be alone with its new pattern, and what was set up is released by all together.
   if (impl_->num_ranks > 1) return {};
   impl_->main.release();
   impl_->rescue.release();

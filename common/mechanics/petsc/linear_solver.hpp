@@ -58,7 +58,7 @@ class LinearSolver {
   /// nothing. What was set up for the last pattern is given up. On several ranks there is none.
   std::span<double> make_room(const BlockMatrix<block_size>& K);
 
-  /// Give up the matrix and what was set up for it until the next set_matrix or make_room; values
+  /// Release the matrix and what was set up for it until the next set_matrix or make_room; values
   /// of K that are kept in that room are lost. @note Collective.
   void release();
 

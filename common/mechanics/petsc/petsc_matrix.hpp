@@ -33,7 +33,7 @@ class PetscMatrix final : public PetscOperator {
   /// @note Collective.
   bool set(const BlockMatrix<block_size>& K, const SharedNodes& shared);
 
-  /// Give up the matrix, its vectors and their memory. @note Collective.
+  /// Release the matrix, its vectors and their memory. @note Collective.
   void release() {
     matrix_.reset();
     parts_.reset();

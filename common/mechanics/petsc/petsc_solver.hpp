@@ -28,7 +28,7 @@ class PetscSolver {
   /// Multigrid continues with a matrix of the same pattern while it serves: until a solve takes 5
   /// iterations more than 1.5 times those of the first one with it, by digit of the tolerance.
   void invalidate(bool new_pattern);
-  /// Give up what was set up, and the matrix that it was set up for.
+  /// Release what was set up, and the matrix that it was set up for.
   void release();
   /// Earlier matrices serve no longer, but the present one may stay in use.
   void begin_step();

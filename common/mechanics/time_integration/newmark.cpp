@@ -63,8 +63,8 @@ void require_balance_at_end_of_step(const ConfigReader& in, const NewmarkBossak&
   if (scheme.alpha_f == 0) return;
   in.fail("time_integration",
           "found generalized_alpha with forces averaged over the step, allowed with interfaces: "
-          "newmark, bossak, or rho_inf 0; both sides of an interface have to balance its forces at "
-          "the end of the step");
+          "newmark, bossak, or rho_inf 0; soil and structure have to balance the interface's "
+          "forces at the end of the step");
 }
 
 }  // namespace gabion

@@ -97,7 +97,8 @@ def check_interfaces(interfaces: Sequence[InterfaceMesh], dimension: int) -> Non
 class Introduction:
     """Data of a solver in the handshake. `probes`: values in the initial state, as many as names. `keeps_state`: it
     answers "save" and "load"; `takes_force_kinds`: it answers "set_force_kinds"; `start`: displacements in the initial
-    state [m], of interfaces that begin displaced; `takes_start`: it answers "set_start"."""
+    state [m], of interfaces that begin displaced; `takes_start`: it answers "set_start"; `takes_facets`: it answers
+    "set_facets"; `changing`: names of the interfaces whose facets may change."""
 
     interfaces: Sequence[InterfaceMesh]
     probe_names: Sequence[str] = ()
@@ -106,6 +107,8 @@ class Introduction:
     takes_force_kinds: bool = False
     start: InterfaceValues = field(default_factory=dict)
     takes_start: bool = False
+    takes_facets: bool = False
+    changing: Sequence[str] = ()
 
 
 def hello(settings: ParticipantSettings, session: str, introduction: Introduction) -> Message:
@@ -124,7 +127,7 @@ def hello(settings: ParticipantSettings, session: str, introduction: Introductio
         "convention": SIGN_CONVENTION,
         "interfaces": [
             {"name": mesh.name, "vertices_per_facet": 0 if mesh.facets is None else mesh.facets.shape[1],
-             "force_kind": mesh.force_kind}
+             "force_kind": mesh.force_kind} | may_change(mesh, introduction.changing)
             for mesh in interfaces],
         "probe_names": list(introduction.probe_names), "heartbeat": True,
         "process": this_process().to_fields(), "keeps_state": introduction.keeps_state,
@@ -132,6 +135,8 @@ def hello(settings: ParticipantSettings, session: str, introduction: Introductio
         "takes_start": introduction.takes_start,
         "takes_next_step": True,  # requests are taken from the socket one by one
     })
+    if introduction.takes_facets:
+        message.fields["takes_facets"] = True
     for mesh in interfaces:
         message.arrays[f"coordinates:{mesh.name}"] = mesh.coordinates
         if mesh.facets is not None:
@@ -139,6 +144,16 @@ def hello(settings: ParticipantSettings, session: str, introduction: Introductio
     put_start(message, interfaces, introduction.start)
     message.arrays["probes"] = np.array(probes, dtype="<f8")
     return message
+
+
+def may_change(mesh: InterfaceMesh, changing: Sequence[str]) -> dict[str, bool]:
+    """The field of an interface whose facets may change. Raises UsageError where it has none."""
+    if mesh.name not in changing:
+        return {}
+    if mesh.facets is None:
+        raise UsageError(f'facets: found interface "{mesh.name}" without facets, allowed: one that has some at the '
+                         "beginning")
+    return {"facets_may_change": True}
 
 
 def put_start(message: Message, interfaces: Sequence[InterfaceMesh], start: InterfaceValues) -> None:

@@ -79,8 +79,8 @@ class HandshakeMonitor:
         while not self._socket.closed and self._socket.poll(0):
             event = recv_monitor_message(self._socket)
             if event["event"] == zmq.EVENT_HANDSHAKE_FAILED_AUTH:
-                raise ProtocolError("it does not know this participant's key: its public key has to stand in "
-                                    "the coupler's protocol/security/clients_file")
+                raise ProtocolError("it does not know this participant's key: its public key must be in the coupler's "
+                                    "protocol/security/clients_file")
             if event["event"] == zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL and event["value"] == MECHANISM_MISMATCH:
                 raise ProtocolError("it uses no keys, this participant does (key_file, coupler_key_file)"
                                     if self._has_keys else

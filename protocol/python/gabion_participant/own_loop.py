@@ -4,10 +4,13 @@
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from .errors import ProtocolError
+from .facets import ChangingFacets
 from .handshake import accepted, loaded, plain, read_state, saved, start_set
 from .message import Message
-from .solver import STEP_MEAN, AcceptReport, InterfaceValues, StepRequest
+from .solver import STEP_MEAN, AcceptReport, InterfaceFacets, InterfaceMesh, InterfaceValues, StepRequest
 from .state_machine import RequestHandler, unknown
 
 ME = "this participant"  # in messages
@@ -20,6 +23,8 @@ class OwnLoop(RequestHandler):
     def __init__(self) -> None:
         self.output: Callable[[float], None] | None = None
         self.take_start: Callable[[InterfaceValues], None] | None = None  # None: does not take one
+        self.take_facets: Callable[[InterfaceFacets], None] | None = None  # None: does not take others
+        self.facets = ChangingFacets()
         self.save: Callable[[], bytes] | None = None  # None: does not keep its state
         self.load: Callable[[bytes], None] | None = None
         self.summary: dict[str, Any] = {}
@@ -50,6 +55,16 @@ class OwnLoop(RequestHandler):
         self.accepted_probes = list(self.probes.values())
         self.must_write = True  # a state that the code may have saved began at the reference
         return start_set(self.accepted_probes)
+
+    def set_facets(self, facets: InterfaceFacets) -> Message:
+        if not self.take_facets:
+            raise unknown("set_facets", ME)
+        self.take_facets(facets)
+        self.must_write = True  # a state that the code may have saved has the facets before
+        return Message("facets_set")
+
+    def write_facets(self, mesh: InterfaceMesh, facets: np.ndarray) -> None:
+        self.facets.write(mesh, facets, accepted=self.pending is not None and self.window_complete)
 
     def unnoticed_means(self) -> list[str]:
         """Interfaces whose forces are means over the step, where the code never asked for that; once."""
@@ -95,7 +110,7 @@ class OwnLoop(RequestHandler):
     def load_state(self, request: Message) -> Message:
         if not self.load:
             raise unknown("load", ME)
-        self.load(read_state(request))
+        self.facets.while_loading(lambda: self.load(read_state(request)))
         self.accepted_probes = list(self.probes.values())
         self.must_write = True  # the state that the code saved for repeated steps is another one
         return loaded(self.accepted_probes)

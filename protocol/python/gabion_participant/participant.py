@@ -16,7 +16,7 @@ from .errors import ProtocolError, UsageError, text_of
 from .handshake import Introduction, ParticipantSettings, check_interfaces, put_values, solved
 from .message import Message
 from .own_loop import ME, OwnLoop
-from .solver import END_OF_STEP, InterfaceMesh, InterfaceValues, StepReport, StepRequest
+from .solver import END_OF_STEP, InterfaceFacets, InterfaceMesh, InterfaceValues, StepReport, StepRequest
 from .state_machine import StateMachine
 
 SAME_TIME = 1e-12  # of a step: smaller remainders are round-off of a sum of sub-steps
@@ -90,6 +90,31 @@ class Participant:
                              "allowed: one that receives displacement")
         self._loop.take_start = take
 
+    def set_facets_may_change(self, interface: str) -> None:
+        """Declare that facets of an interface of a structure may leave it, or come, where cells fail. Its vertices are
+        all that a facet may ever have. Call it before initialize(), after set_interface()."""
+        self._before_initialize("set_facets_may_change")
+        if self._settings.sends != "displacement":
+            raise UsageError(f"set_facets_may_change: found a participant that sends {self._settings.sends}, "
+                             "allowed: one that sends displacement")
+        self._loop.facets.let_change(self._mesh(interface))
+
+    def write_facets(self, interface: str, facets: np.ndarray) -> None:
+        """Set all facets, num_facets x 2, 3 or 4, that such an interface has from the step on that was just accepted.
+        Call it when is_time_window_complete(), before the next is_coupling_ongoing(), where they change; and within
+        `load` of set_state(), for each of these interfaces."""
+        self._loop.write_facets(self._mesh(interface), facets)
+
+    def on_set_facets(self, take: Callable[[InterfaceFacets], None]) -> None:
+        """Set the function `take(facets)` of a soil, which lets these interfaces have other facets from now on, of the
+        same vertices; a saved state has them. It is called between two steps. `take` raises where the soil cannot go
+        on so, which ends the run. Call it before initialize()."""
+        self._before_initialize("on_set_facets")
+        if self._settings.receives != "displacement":
+            raise UsageError(f"on_set_facets: found a participant that receives {self._settings.receives}, "
+                             "allowed: one that receives displacement")
+        self._loop.take_facets = take
+
     def set_probes(self, values: Mapping[str, float]) -> None:
         """Numbers that the run shall record. Before initialize() in the initial state, later, always with the
         same names, before advance(), at the end of the step."""
@@ -111,7 +136,8 @@ class Participant:
         `save()` gives all of the accepted state, which then is the code's current state, that later steps
         depend on, in a form of the code's own. `load(state)` goes on from what `save` gave, in an earlier run
         perhaps, and calls set_probes(); each later step then gives the bits that it would have given there.
-        It is called in initialize() already, or between two steps.
+        It is called in initialize() already, or between two steps, and calls write_facets() of each interface whose
+        facets may change.
         """
         self._before_initialize("set_state")
         self._loop.save, self._loop.load = save, load
@@ -132,7 +158,9 @@ class Participant:
         introduction = Introduction(self._meshes, names, self._loop.accepted_probes,
                                     keeps_state=self._loop.save is not None,
                                     takes_force_kinds=self._settings.receives == "force",
-                                    start=self._start, takes_start=self._loop.take_start is not None)
+                                    start=self._start, takes_start=self._loop.take_start is not None,
+                                    takes_facets=self._loop.take_facets is not None,
+                                    changing=list(self._loop.facets.now))
         self._guarded(lambda: self._connection.handshake(introduction))
         self._loop.must_write = True
         self._settle()
@@ -255,7 +283,7 @@ class Participant:
             return
         if self._loop.must_read:
             raise UsageError(
-                "the last step was not accepted: ask requires_reading_checkpoint() and go back first")
+                "the last step was not accepted: call requires_reading_checkpoint() and go back first")
         self._guarded(self._await_step)
 
     def _await_step(self) -> None:
@@ -281,6 +309,8 @@ class Participant:
             self._connection.close()
 
     def _reply(self, message: Message) -> None:
+        if message.type == "accepted":
+            self._loop.facets.put_changed(message)
         message.fields["busy_seconds"] = time.monotonic() - self._begin
         self._connection.reply(message)
 
@@ -319,7 +349,7 @@ class Participant:
                           (self._loop.must_write, "requires_writing_checkpoint")):
             if due:
                 raise UsageError(
-                    f"{call}: ask {name}() in this step first; not to do so would spoil repeated steps")
+                    f"{call}: call {name}() in this step first, or repeated steps are spoilt")
         return request
 
     def _mesh(self, name: str) -> InterfaceMesh:

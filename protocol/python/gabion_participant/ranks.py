@@ -57,7 +57,7 @@ def _follow(solver: Solver, settings: ParticipantSettings, comm: Any) -> None:
         comm.send(this_process(), 0, TAG)
         solver.interfaces(), solver.probe_names(), solver.probes()  # as rank 0 for the handshake
         if settings.sends == "displacement":
-            solver.start_displacements()
+            solver.start_displacements(), solver.facets()
         run = _next_order(comm)
         service = Service(solver, settings)
         solver.begin_run(run)

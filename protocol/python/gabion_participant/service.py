@@ -7,10 +7,12 @@ from typing import Any
 
 from .connection import Connection
 from .errors import ConvergenceError, ProtocolError, UsageError, says_all, text_of
+from .facets import ChangingFacets, checked_facets
 from .handshake import (PROTOCOL_VERSION, Introduction, ParticipantSettings, accepted, loaded, plain,
                         put_values, read_state, saved, solved, start_set)
 from .message import Message
-from .solver import AcceptReport, InterfaceValues, Solver, StepReport, StepRequest
+from .solver import (AcceptReport, InterfaceFacets, InterfaceMesh, InterfaceValues, Solver, StepReport,
+                     StepRequest)
 from .state_machine import RequestHandler, StateMachine
 
 
@@ -30,6 +32,11 @@ def takes_force_kinds(solver: Solver) -> bool:
 def takes_start(solver: Solver) -> bool:
     """Whether the solver has a function of its own in place of that which only raises."""
     return type(solver).set_start is not Solver.set_start
+
+
+def takes_facets(solver: Solver) -> bool:
+    """Whether the solver has a function of its own in place of that which only raises."""
+    return type(solver).set_facets is not Solver.set_facets
 
 
 def checked_solution(answer: Any) -> tuple[InterfaceValues, StepReport]:
@@ -62,6 +69,9 @@ class Service(RequestHandler):
         self._keeps_state = keeps_state(solver)
         self._machine = StateMachine(self, settings.receives, self._interfaces,
                                      f"protocol {PROTOCOL_VERSION}")
+        self._facets = ChangingFacets()
+        for name in solver.facets() if settings.sends == "displacement" else ():
+            self._facets.let_change(self._mesh(name))
         self.under_way = ""  # the solver's function that was called last
 
     @property
@@ -91,6 +101,31 @@ class Service(RequestHandler):
         self._call("set_start", displacements)
         return start_set(self._call("probes"))
 
+    def set_facets(self, facets: InterfaceFacets) -> Message:
+        if not takes_facets(self._solver):
+            raise ProtocolError('the coupler asked for "set_facets" of a participant that takes none')
+        self._call("set_facets", facets)
+        return Message("facets_set")
+
+    def _mesh(self, name: str) -> InterfaceMesh:
+        for mesh in self._interfaces:
+            if mesh.name == name:
+                return mesh
+        raise UsageError(f'facets: found interface "{name}", allowed: '
+                         f"{', '.join(mesh.name for mesh in self._interfaces)}")
+
+    def _put_changed_facets(self, reply: Message) -> None:
+        """Add the facets of interfaces of a structure that got others than those that were sent last."""
+        if self._settings.sends != "displacement":
+            return
+        facets = self._call("facets")
+        if set(facets) != set(self._facets.now):
+            raise UsageError(f"facets: found interfaces {sorted(facets)}, allowed: those of the beginning, "
+                             f"{sorted(self._facets.now)}")
+        for name, own in facets.items():
+            self._facets.now[name] = checked_facets(self._mesh(name), own, "facets")
+        self._facets.put_changed(reply)
+
     def solve_step(self, step: StepRequest, received: InterfaceValues) -> Message:
         try:
             values, report = checked_solution(self._call("solve_step", step, received))
@@ -102,7 +137,9 @@ class Service(RequestHandler):
 
     def accept_step(self, step: StepRequest, was_solved: bool) -> Message:
         report = checked_report(self._call("accept_step", step, was_solved))
-        return accepted(report, self._call("probes"))
+        reply = accepted(report, self._call("probes"))
+        self._put_changed_facets(reply)
+        return reply
 
     def reject_step(self) -> Message:
         self._call("reject_step")
@@ -119,6 +156,7 @@ class Service(RequestHandler):
     def load_state(self, request: Message) -> Message:
         self._require_state("load")
         self._call("load_state", read_state(request))
+        self._facets.forget()
         return loaded(self._call("probes"))
 
     def summarize(self) -> Message:
@@ -146,7 +184,8 @@ def introduce(solver: Solver, connection: Connection) -> None:
     connection.handshake(Introduction(solver.interfaces(), solver.probe_names(), solver.probes(),
                                       keeps_state(solver), takes_force_kinds(solver),
                                       solver.start_displacements() if sends_displacement else {},
-                                      takes_start(solver)))
+                                      takes_start(solver), takes_facets(solver),
+                                      list(solver.facets()) if sends_displacement else ()))
 
 
 def reason(problem: BaseException, under_way: str) -> str:

@@ -38,6 +38,8 @@ class InterfaceMesh:
 # Interface name -> values at its vertices, num_vertices x dim: displacement [m], total from the reference
 # configuration, or nodal force [N] of the soil on the structure (2D: per metre of thickness).
 InterfaceValues = dict[str, np.ndarray]
+# Interface name -> its facets, num_facets x 2, 3 or 4 vertex numbers, as those of InterfaceMesh.
+InterfaceFacets = dict[str, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -116,6 +118,16 @@ class Solver(ABC):
         of a run that is no restart (a saved state has it), and only if any is displaced. Displacements that solve_step
         receives remain those from the reference. Without it the soil learns of them in its first step, and the coupler
         warns."""
+        raise NotImplementedError
+
+    def facets(self) -> InterfaceFacets:
+        """All facets in the accepted state of the interfaces of a structure whose facets may leave, or come, where
+        cells fail; each time the same interfaces. Their vertices are all that a facet may ever have. Optional."""
+        return {}
+
+    def set_facets(self, facets: InterfaceFacets) -> None:
+        """Let these interfaces of a soil have other facets from now on, of the same vertices. Optional. The call comes
+        between two steps; a saved state has them. Without it the coupler refuses structures with facets()."""
         raise NotImplementedError
 
     def reject_step(self) -> None:

@@ -6,9 +6,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 from .errors import ProtocolError
+from .facets import read_facets
 from .handshake import is_asked_for, read_force_kinds, read_step_request, read_values
 from .message import Message
-from .solver import InterfaceMesh, InterfaceValues, StepRequest
+from .solver import InterfaceFacets, InterfaceMesh, InterfaceValues, StepRequest
 from .step_order import StepOrder
 
 
@@ -22,6 +23,10 @@ class RequestHandler(ABC):
     def set_start(self, displacements: InterfaceValues) -> Message | None:
         """Take the displacements with which the interfaces begin."""
         raise ProtocolError('the coupler asked for "set_start" of a participant that takes none')
+
+    def set_facets(self, facets: InterfaceFacets) -> Message | None:
+        """Take other facets of some interfaces."""
+        raise ProtocolError('the coupler asked for "set_facets" of a participant that takes none')
 
     @abstractmethod
     def solve_step(self, step: StepRequest, received: InterfaceValues) -> Message | None:
@@ -79,6 +84,7 @@ class StateMachine:
             "summarize": (lambda _: handler.summarize(), True),
             "save": (lambda _: handler.save_state(), False), "load": (self._load, False),
             "set_force_kinds": (self._set_force_kinds, False), "set_start": (self._set_start, False),
+            "set_facets": (self._set_facets, False),
             "finish": (self._finish, True)}
 
     def handle(self, request: Message) -> Message | None:
@@ -102,6 +108,9 @@ class StateMachine:
         if self._order.has_begun:
             raise ProtocolError('the coupler asked for "set_start" after an accepted step')
         return self._handler.set_start(read_values(request, self._receives, self._interfaces))
+
+    def _set_facets(self, request: Message) -> Message | None:
+        return self._handler.set_facets(read_facets(request, self._interfaces))
 
     def _solve(self, request: Message) -> Message | None:
         if not is_asked_for(request, self._proposed_dt):

@@ -28,7 +28,7 @@ KeyTable box_keys() {
   return {"box",
           "Cells along the axes.",
           {key::vector("low", "m", "Lowest corner."), key::vector("high", "m", "Highest corner."),
-           key::integers("cells", "Along each axis.").in(gabion::at_least(1))}};
+           key::integers("cells", "Number along each axis.").in(gabion::at_least(1))}};
 }
 
 KeyTable mesh_keys() {
@@ -40,75 +40,84 @@ KeyTable mesh_keys() {
 }
 
 KeyTable refinement_keys() {
-  return {"refinement",
-          "Cells near a point are halved in each direction, before the first step.",
-          {key::vector("near", "m", "The point."),
-           key::number("radius", "m", "Of cells with a vertex or the centre within it.")
-               .in(gabion::positive()),
-           key::integer("times", "How often.").in(gabion::between(1, 8)).or_else(1)}};
+  return {
+      "refinement",
+      "Cells near a point are halved in each direction, before the first step.",
+      {key::vector("near", "m", "The point."),
+       key::number("radius", "m", "Radius within which a vertex or the centre of such a cell lies.")
+           .in(gabion::positive()),
+       key::integer("times", "Number of times.").in(gabion::between(1, 8)).or_else(1)}};
 }
 
 KeyTable material_keys() {
-  return {
-      "material",
-      "Neo-Hookean: tau = mu (b - 1) + lambda ln J 1.",
-      {key::number("density", "kg/m^3", "In the reference configuration.").in(gabion::positive()),
-       key::number("young_modulus", "Pa", "At small strain.").in(gabion::positive()),
-       key::number("poisson_ratio", "", "At small strain.")
-           .in(gabion::inside(-1, 0.5))
-           .or_else(0)}};
+  return {"material",
+          "Neo-Hookean law: tau = mu (b - 1) + lambda ln J 1.",
+          {key::number("density", "kg/m^3", "Value in the reference configuration.")
+               .in(gabion::positive()),
+           key::number("young_modulus", "Pa", "Value at small strain.").in(gabion::positive()),
+           key::number("poisson_ratio", "", "Value at small strain.")
+               .in(gabion::inside(-1, 0.5))
+               .or_else(0)}};
 }
 
 KeyTable support_keys() {
   return {"support",
           "Nodes that do not move.",
-          {groups_key(), key::texts("components", "That are zero.")
+          {groups_key(), key::texts("components", "Components of the displacement that are zero.")
                              .among({"x", "y", "z"})
                              .not_empty()
                              .or_computed("all")}};
 }
 
 KeyTable interface_keys() {
-  return {
-      "interface", "A coupled surface.", {key::plain_name("As in coupler.json."), groups_key()}};
+  return {"interface",
+          "A coupled surface.",
+          {key::plain_name("Name, as in coupler.json."), groups_key()}};
 }
 
 KeyTable probe_keys() {
-  return {
-      "probe",
-      "A point whose displacement is reported.",
-      {key::plain_name("Its own."), key::vector("point", "m", "In the reference configuration.")}};
+  return {"probe",
+          "A point whose displacement is reported.",
+          {key::plain_name("Name of the probe, unique."),
+           key::vector("point", "m", "Place in the reference configuration.")}};
 }
 
 KeyTable newton_keys() {
   return {"newton",
           "Newton's method.",
           {key::number("tolerance", "",
-                       "Of the residual by the largest of load, inner and inertia forces.")
+                       "Largest residual over the largest of load, internal and inertia forces.")
                .in(gabion::inside(0, 1))
                .or_else(NewtonSettings{}.tolerance),
-           key::integer("max_iterations", "After which a step has no solution.")
+           key::integer("max_iterations", "Number of iterations after which a step has failed.")
                .in(gabion::at_least(1))
                .or_else(NewtonSettings{}.max_iterations)}};
 }
 
 KeyTable table() {
-  return {"structure",
-          "Settings of the structure.",
-          {key::schema(), key::integer("dimension", "2 is plane strain.").in(gabion::between(2, 3)),
-           key::object("mesh", mesh_keys(), "Mesh."),
-           key::integer("degree", "Of the shape functions.").in(gabion::between(1, 4)).or_else(2),
-           key::objects("refine", refinement_keys(), "Local refinement.").or_empty(),
-           key::object("material", material_keys(), "Of all cells."),
-           key::vector("gravity", "m/s^2", "Acceleration of all cells.").or_else(0),
-           key::number("alpha", "", "Of Bossak's scheme; 0 is the trapezoidal rule.")
-               .in(gabion::between(-1.0 / 3, 0))
-               .or_else(0),
-           key::boolean("initial_equilibrium", "Start at rest under gravity.").or_else(false),
-           key::objects("supports", support_keys(), "Held nodes.").or_empty(),
-           key::objects("interfaces", interface_keys(), "Coupled surfaces.").not_empty(),
-           key::objects("probes", probe_keys(), "Reported points.").or_empty(),
-           key::object("newton", newton_keys(), "Newton's method.").or_empty()}};
+  return {
+      "structure",
+      "Settings of the structure.",
+      {key::schema(),
+       key::integer("dimension", "Dimension of space; 2 is plane strain.")
+           .in(gabion::between(2, 3)),
+       key::object("mesh", mesh_keys(), "Mesh."),
+       key::integer("degree", "Degree of the shape functions.")
+           .in(gabion::between(1, 4))
+           .or_else(2),
+       key::objects("refine", refinement_keys(), "Local refinement.").or_empty(),
+       key::object("material", material_keys(), "Material of all cells."),
+       key::vector("gravity", "m/s^2", "Acceleration of all cells.").or_else(0),
+       key::number("alpha", "", "Alpha of Bossak's scheme; 0 is the trapezoidal rule.")
+           .in(gabion::between(-1.0 / 3, 0))
+           .or_else(0),
+       key::boolean("initial_equilibrium",
+                    "Whether the run starts in equilibrium with gravity, at rest.")
+           .or_else(false),
+       key::objects("supports", support_keys(), "Nodes that do not move.").or_empty(),
+       key::objects("interfaces", interface_keys(), "Coupled surfaces.").not_empty(),
+       key::objects("probes", probe_keys(), "Points whose displacement is reported.").or_empty(),
+       key::object("newton", newton_keys(), "Newton's method.").or_empty()}};
 }
 
 void read_mesh(ConfigReader in, const std::string& path, Settings& out) {

@@ -125,7 +125,7 @@ class Model:
 
 
 class Generations:
-    """Which process is the accepted state."""
+    """The processes of a model, and the one that holds the accepted state."""
 
     def __init__(self, model: Model, socket: Connection, ancestor: int) -> None:
         self.model, self.socket, self.ancestor = model, socket, ancestor

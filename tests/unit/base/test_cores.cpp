@@ -10,7 +10,7 @@
 #include "common/base/cores.hpp"
 #include "tests/support/temp_folder.hpp"
 
-namespace gabion {
+namespace gabion::test_cores {
 namespace {
 
 namespace fs = std::filesystem;
@@ -86,4 +86,4 @@ TEST(Cores, mask_of_this_process_counts) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_cores

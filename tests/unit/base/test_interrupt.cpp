@@ -6,7 +6,7 @@
 
 #include "common/base/interrupt.hpp"
 
-namespace gabion {
+namespace gabion::test_interrupt {
 namespace {
 
 /// Handlers for both signals until the end of the test.
@@ -49,4 +49,4 @@ TEST(Interrupt, of_two_that_wait_the_terminals_counts) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_interrupt

@@ -11,7 +11,7 @@
 #include "common/base/log.hpp"
 #include "common/base/printable.hpp"
 
-namespace gabion {
+namespace gabion::test_log {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,4 +62,4 @@ TEST(Log, texts_of_others_cannot_rule_a_terminal_or_forge_a_line) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_log

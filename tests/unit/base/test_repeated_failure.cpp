@@ -5,7 +5,7 @@
 #include "common/run/repeated_failure.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_repeated_failure {
 namespace {
 
 UnbalancedError stuck(std::vector<double> residuals, const std::string& cause = "line") {
@@ -54,4 +54,4 @@ TEST(RepeatedFailure, only_first_iterations_of_the_coupling_count) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_repeated_failure

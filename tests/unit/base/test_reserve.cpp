@@ -3,7 +3,7 @@
 
 #include "common/base/reserve.hpp"
 
-namespace gabion {
+namespace gabion::test_reserve {
 namespace {
 
 TEST(Reserve, little_of_a_list_that_grows_stays_empty) {
@@ -21,4 +21,4 @@ TEST(Reserve, little_of_a_list_that_grows_stays_empty) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_reserve

@@ -18,7 +18,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 
-namespace gabion {
+namespace gabion::test_results_folder {
 namespace {
 
 namespace fs = std::filesystem;
@@ -294,4 +294,4 @@ TEST(ResultsFolder, files_of_others_in_a_checkpoint) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_results_folder

@@ -13,7 +13,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 
-namespace gabion {
+namespace gabion::test_run_alone {
 namespace {
 
 namespace fs = std::filesystem;
@@ -261,4 +261,4 @@ TEST(DetailColumns, unknown_names_and_texts_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_run_alone

@@ -6,7 +6,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temporary_scene.hpp"
 
-namespace gabion {
+namespace gabion::test_scene {
 namespace {
 
 /// Reads a scene whose file has this text.
@@ -67,4 +67,4 @@ TEST(SceneText, overrides_follow_the_same_rules) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_scene

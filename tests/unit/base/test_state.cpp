@@ -9,7 +9,7 @@
 #include "common/run/time_steps.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion {
+namespace gabion::test_state {
 namespace {
 
 TimeSteps loaded(TimeSteps& from, const TimeSettings& settings) {
@@ -177,4 +177,4 @@ TEST(State, a_run_does_not_go_on_from_nowhere) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_state

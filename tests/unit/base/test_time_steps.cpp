@@ -8,7 +8,7 @@
 #include "common/run/time_steps.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion {
+namespace gabion::test_time_steps {
 namespace {
 
 using test::expect_error;
@@ -233,4 +233,4 @@ TEST(TimeSteps, proposals_of_a_range_and_no_others_lead_to_the_same_next_step) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_time_steps

@@ -16,6 +16,7 @@ template <int dim>
 HardBody hard_body(const BoulderShape<dim>& shape, HardLaw law) {
   HardBody body{
       .name = "stone", .mass = shape.mass, .sphere = shape.sphere, .radius = shape.radius};
+  body.axes.template head<dim>() = shape.axes;
   for (const auto& X : shape.surface.vertices) {
     body.vertices.emplace_back(Vector<3>::Zero()).template head<dim>() = X;
   }

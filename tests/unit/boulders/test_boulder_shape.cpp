@@ -11,7 +11,7 @@
 #include "common/base/error.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion::mpm {
+namespace gabion::mpm::test_boulder_shape {
 namespace {
 
 template <int dim>
@@ -161,4 +161,4 @@ TEST(BoulderShape, a_polygon_with_a_notch_is_simple) {
 }
 
 }  // namespace
-}  // namespace gabion::mpm
+}  // namespace gabion::mpm::test_boulder_shape

@@ -10,7 +10,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_boulders_in_soil {
 namespace {
 
 constexpr double g = 9.81, radius = 0.25, density = 2650;
@@ -376,4 +376,4 @@ TEST(BouldersInSoil, bad_input) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_boulders_in_soil

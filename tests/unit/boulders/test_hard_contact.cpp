@@ -7,7 +7,7 @@
 
 #include "tests/unit/boulders/hard_scene.hpp"
 
-namespace gabion::mpm {
+namespace gabion::mpm::test_hard_contact {
 namespace {
 
 // Depth at which the ground carries the weight.
@@ -209,4 +209,4 @@ TEST(HardContact, the_deepest_overlap_is_named) {
 }
 
 }  // namespace
-}  // namespace gabion::mpm
+}  // namespace gabion::mpm::test_hard_contact

@@ -7,7 +7,7 @@
 
 #include "tests/unit/boulders/hard_scene.hpp"
 
-namespace gabion::mpm {
+namespace gabion::mpm::test_hard_contact_energy {
 namespace {
 
 struct Random {
@@ -108,4 +108,4 @@ TEST(HardContactEnergy, it_is_never_gained_in_space) {
 }
 
 }  // namespace
-}  // namespace gabion::mpm
+}  // namespace gabion::mpm::test_hard_contact_energy

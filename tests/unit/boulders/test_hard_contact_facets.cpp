@@ -4,7 +4,7 @@
 
 #include "tests/unit/boulders/hard_scene.hpp"
 
-namespace gabion::mpm {
+namespace gabion::mpm::test_hard_contact_facets {
 namespace {
 
 template <int dim>
@@ -63,4 +63,4 @@ TEST(HardContactFacets, a_side_lies_on_a_ridge) {
 }
 
 }  // namespace
-}  // namespace gabion::mpm
+}  // namespace gabion::mpm::test_hard_contact_facets

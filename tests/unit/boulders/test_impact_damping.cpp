@@ -9,7 +9,7 @@
 #include "mpm_solver/boulders/impact_damping.hpp"
 #include "tests/unit/boulders/hard_scene.hpp"
 
-namespace gabion::mpm {
+namespace gabion::mpm::test_impact_damping {
 namespace {
 
 TEST(ImpactDamping, it_is_the_root_of_its_equation) {
@@ -30,7 +30,7 @@ TEST(ImpactDamping, the_key_says_where_it_ends) {
   const auto keys = boulder_law_keys();
   const auto found = std::ranges::find(keys, "restitution", &Key::name);
   ASSERT_NE(found, keys.end());
-  EXPECT_NE(found->sentence.find("less than 0.01 acts as 0.01"), std::string::npos);
+  EXPECT_NE(found->sentence.find("below 0.01 acts as 0.01"), std::string::npos);
 }
 
 /// A wall at 0 that gives, and may move.
@@ -110,4 +110,4 @@ TEST(ImpactDamping, its_force_is_smooth_and_its_momentum_exact) {
 }
 
 }  // namespace
-}  // namespace gabion::mpm
+}  // namespace gabion::mpm::test_impact_damping

@@ -10,7 +10,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_random_boulders {
 namespace {
 
 Json random_rocks(int dim) {
@@ -172,7 +172,13 @@ TEST(RandomBoulders, bad_input) {
   expect_refused(with("sizes", {{"uniform", {0.6, 0.5}}}),
                  {"/random_boulders/0/sizes/uniform", "0.6 m above"});
   expect_refused(with("sizes", {{"grading", {{0.4, 0.1}, {0.6, 1}}}}),
-                 {"/random_boulders/0/sizes/grading", "from 0 to 1"});
+                 {"/random_boulders/0/sizes/grading/0", "found [0.4, 0.1]", "from 0 to 1"});
+  expect_refused(with("sizes", {{"grading", {{0.4, 0}, {0.6, 0.5}, {0.6, 1}}}}),
+                 {"/sizes/grading/2", "found [0.6, 1] after [0.6, 0.5]"});
+  expect_refused(with("sizes", {{"grading", {{0.6, 0}, {0.4, 1}}}}),
+                 {"/sizes/grading/1", "found [0.4, 1] after [0.6, 0]"});
+  expect_refused(with("sizes", {{"grading", {{0.4, 0}, {0.6, 0.9}}}}),
+                 {"/sizes/grading/1", "found [0.6, 0.9]"});
   expect_refused(
       with("sizes",
            {{"lognormal", {{"median", 1e-3}, {"deviation", 0.1}, {"min", 0.5}, {"max", 0.6}}}}),
@@ -241,8 +247,8 @@ TEST(SoilInside, a_body_that_would_vanish_is_refused) {
   json["bodies"][0]["mesh"] = box({0.9, 0.9}, {1.1, 1.1}, {2, 2}, "quad4");
   json["bodies"][1]["name"] = "rest";
   json["bodies"][1]["mesh"] = box({2, 0}, {4, 2}, {20, 20}, "quad4");
-  expect_refused(json, {"/boulders/0/shape", "all that is left of body 0"});
+  expect_refused(json, {"/boulders/0/shape", "all material points of body 0"});
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_random_boulders

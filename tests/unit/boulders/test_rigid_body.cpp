@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace gabion::mpm {
+namespace gabion::mpm::test_rigid_body {
 namespace {
 
 BodyMass unequal_body() {
@@ -92,4 +92,4 @@ TEST(RigidBody, turns_in_the_plane_by_the_closed_form) {
 }
 
 }  // namespace
-}  // namespace gabion::mpm
+}  // namespace gabion::mpm::test_rigid_body

@@ -8,11 +8,12 @@
 
 #include "common/checkpoint/checkpoint_folder.hpp"
 #include "common/checkpoint/checkpoints.hpp"
+#include "common/checkpoint/file_crc32.hpp"
 #include "common/checkpoint/state_file.hpp"
 #include "common/settings/scene.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion {
+namespace gabion::test_checkpoint_folder {
 namespace {
 
 namespace fs = std::filesystem;
@@ -98,6 +99,67 @@ TEST_F(CheckpointFolder, damage_and_other_runs_are_refused) {
                             {"manifest.json: not valid JSON"});
 }
 
+/// Change one bit of a file in place.
+void flip(const fs::path& file, std::uintmax_t place) {
+  std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
+  bytes.seekg(static_cast<std::streamoff>(place));
+  const char changed = static_cast<char>(bytes.get() ^ 0x10);
+  bytes.seekp(static_cast<std::streamoff>(place));
+  bytes.put(changed);
+}
+
+/// Every changed bit is found, in files that a solver wrote too; nothing else is wrong with them.
+TEST_F(CheckpointFolder, changed_bytes_of_equal_size_are_refused) {
+  Checkpoint all = made(3);
+  begin_checkpoint(results_, all.point);
+  const fs::path own = all_ / "step_000003" / "own.h5";
+  std::ofstream(own) << "of its own";
+  all.states["own"].file = own.string();
+  write_checkpoint(results_, "coupler", all);
+  const std::string path = find_checkpoint(results_);
+  for (const std::string name : {"soil.h5", "run.h5", "own.h5"}) {
+    const fs::path file = fs::path(path) / name;
+    const auto size = fs::file_size(file);
+    for (const auto place : {std::uintmax_t{0}, size / 2, size - 1}) {
+      flip(file, place);
+      expect_error<Error>([&] { read_checkpoint(path, "coupler"); },
+                          {name + ": found bytes of CRC-32 \"", "the manifest says \"",
+                           "damaged; restart from", "without --restart"});
+      flip(file, place);
+    }
+  }
+  EXPECT_EQ(read_checkpoint(path, "coupler").state_of("own").file, own.string());
+}
+
+TEST_F(CheckpointFolder, checksums_are_those_of_gzip) {
+  const fs::path file = fs::path(results_) / "check";
+  std::ofstream(file) << "123456789";
+  EXPECT_EQ(file_crc32(file.string()), "cbf43926");  // the check value of ISO 3309
+  std::ofstream(file) << std::string(3 << 20, '\0');
+  EXPECT_EQ(file_crc32(file.string()), "79724fc6");  // several chunks; python3: zlib.crc32
+  std::ofstream{file};
+  EXPECT_EQ(file_crc32(file.string()), "00000000");
+  expect_error<Error>([&] { file_crc32(results_); }, {results_, "cannot read this file"});
+}
+
+/// Checkpoints of earlier versions go on; what is not checked is said.
+TEST_F(CheckpointFolder, a_manifest_of_format_1_has_no_checksums) {
+  write_checkpoint(results_, "coupler", made(3));
+  const std::string path = find_checkpoint(results_);
+  const fs::path file = fs::path(path) / "manifest.json";
+  Json manifest = Json::parse(std::ifstream(file));
+  manifest.erase("crc32");
+  std::ofstream(file) << manifest;
+  expect_error<ConfigError>([&] { read_checkpoint(path, "coupler"); },
+                            {"at /crc32: found null", "allowed: an object with a text for"});
+  manifest["format"] = 1;
+  std::ofstream(file) << manifest;
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(read_checkpoint(path, "coupler").point.step, 3);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("of format 1, without checksums"),
+            std::string::npos);
+}
+
 /// A manifest has values of every type where another one is expected.
 TEST_F(CheckpointFolder, manifests_are_checked_key_by_key) {
   write_checkpoint(results_, "coupler", made(3));
@@ -168,4 +230,4 @@ TEST_F(CheckpointFolder, results_that_the_new_run_would_replace_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_checkpoint_folder

@@ -11,7 +11,7 @@
 #include "tests/unit/coupler/affine_map.hpp"
 #include "tests/unit/coupler/sequence.hpp"
 
-namespace gabion {
+namespace gabion::test_acceleration {
 namespace {
 
 using test::AffineMap;
@@ -574,4 +574,4 @@ TEST(Acceleration, gauss_seidel_converges_below_mass_ratio_one_and_is_reported_a
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_acceleration

@@ -13,7 +13,7 @@
 #include "tests/support/solver_server.hpp"
 #include "tests/unit/coupler/mass_springs.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_changing_facets {
 namespace {
 
 namespace fs = std::filesystem;
@@ -41,6 +41,7 @@ class OpenSprings : public SoilSprings, public TakesFacets {
   void set_facets(const InterfaceFacets& facets) override {
     told.push_back({accepted, solves, facets.at(mesh_.name)});
   }
+  void lose_first_facet() { mesh_.facets.erase(mesh_.facets.begin(), mesh_.facets.begin() + 2); }
   struct Told {
     int accepted, solves;
     std::vector<std::int64_t> facets;
@@ -97,13 +98,20 @@ TEST(ChangingFacets, soils_that_cannot_follow_are_refused) {
     BreakingSprings structure(4);
     SoilSprings fixed(3, 2, 10);
     expect_error<ConfigError>([&] { run(fixed, structure, wire); },
-                              {"interface \"wall\"", "\"soil\" does not take others"});
+                              {"interface \"wall\"", "\"soil\" cannot take other facets"});
     OpenSprings finer(5);
     BreakingSprings other(4);
     expect_error<ConfigError>([&] { run(finer, other, wire); },
                               {"interface \"wall\"", "\"soil\" has other vertices"});
+    OpenSprings fewer;
+    fewer.lose_first_facet();
+    BreakingSprings whole(4);
+    expect_error<ConfigError>(
+        [&] { run(fewer, whole, wire); },
+        {"interface \"wall\": \"structure\" begins with 2 facets, \"soil\" with 1, of which 1 are",
+         "\"groups\""});
   }
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_changing_facets

@@ -4,7 +4,7 @@
 
 #include "coupler/step/contact_watch.hpp"
 
-namespace gabion {
+namespace gabion::test_contact_watch {
 namespace {
 
 StepReport report(bool active, const Json& signature = Json()) {
@@ -45,4 +45,4 @@ TEST(ContactWatch, begin_end_and_signature_of_any_soil_are_seen) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_contact_watch

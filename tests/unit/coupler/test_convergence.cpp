@@ -6,7 +6,7 @@
 #include "coupler/convergence/convergence.hpp"
 #include "coupler/step/predictor.hpp"
 
-namespace gabion {
+namespace gabion::test_convergence {
 namespace {
 
 using Vector = Eigen::VectorXd;
@@ -174,4 +174,4 @@ TEST(Predictor, uses_a_lower_order_at_the_start_and_keeps_rest_to_the_bit) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_convergence

@@ -8,7 +8,7 @@
 #include "tests/support/temporary_scene.hpp"
 #include "tests/unit/coupler/mass_springs.hpp"
 
-namespace gabion {
+namespace gabion::test_coupled_step {
 namespace {
 
 using test::SoilSprings;
@@ -123,4 +123,4 @@ TEST(CoupledStep, a_failure_says_whether_a_solver_is_the_reason) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_coupled_step

@@ -5,7 +5,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/coupler/good_coupler.hpp"
 
-namespace gabion {
+namespace gabion::test_coupler_config {
 namespace {
 
 CouplerSettings read_with(const std::string& pointer, const Json& value) {
@@ -218,4 +218,4 @@ TEST(CouplerConfig, names_that_no_table_can_hold) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_coupler_config

@@ -16,7 +16,7 @@
 #include "tests/support/solver_server.hpp"
 #include "tests/unit/coupler/mass_springs.hpp"
 
-namespace gabion {
+namespace gabion::test_coupling_loop {
 namespace {
 
 namespace fs = std::filesystem;
@@ -858,8 +858,8 @@ TEST(CouplingLoop, a_participant_that_is_missing_is_named) {
       [&] {
         CouplingLoop(run.settings, {{"soil", run.soil}}, files);
       },
-      {"participant \"structure\" of coupler.json is not there"});
+      {"participant \"structure\" of coupler.json is missing"});
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_coupling_loop

@@ -7,7 +7,7 @@
 #include "tests/unit/coupler/sequence.hpp"
 #include "tests/unit/coupler/surface_meshes.hpp"
 
-namespace gabion {
+namespace gabion::test_deformed_mapping {
 namespace {
 
 using test::SurfacePair;
@@ -222,4 +222,4 @@ TEST(DeformedMapping, equal_vertices_stay_copied) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_deformed_mapping

@@ -10,7 +10,7 @@
 #include "tests/unit/coupler/sequence.hpp"
 #include "tests/unit/coupler/surface_meshes.hpp"
 
-namespace gabion {
+namespace gabion::test_mapping {
 namespace {
 
 using test::expect_error;
@@ -269,7 +269,7 @@ TEST(Mapping, opposite_normals_are_refused) {
       [&] {
         Mapping(polyline({0, 1}), soil, projection);
       },
-      {"facet 1 of the soil's side", "normals that agree",
+      {"facet 1 of the soil's surface", "normals that agree",
        "reverse the order of the soil's polyline"});
 }
 
@@ -282,7 +282,7 @@ TEST(Mapping, unusable_meshes_are_refused) {
   bad.coordinates = {0, 0, 0, 0};
   expect_error<ConfigError>([&] { Mapping(bad, good, projection); }, {"facet 0 has no extent"});
   expect_error<ConfigError>([&] { Mapping(plane(1, 1, 3), good, projection); },
-                            {"the structure's side has dimension 3, the soil's 2"});
+                            {"the structure's surface has dimension 3, the soil's 2"});
   expect_error<ConfigError>(
       [&] {
         Mapping(polyline({0, 1}, false), polyline({0, 0.5, 1}), {"nearest_projection", 2});
@@ -372,4 +372,4 @@ TEST(InterfaceMap, interfaces_that_do_not_pair_up_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_mapping

@@ -3,9 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "common/base/error.hpp"
+#include "common/run/facets.hpp"
 #include "coupler/checks/participant_check.hpp"
 
-namespace gabion {
+namespace gabion::test_participant_check {
 namespace {
 
 enum class Habit {
@@ -212,6 +213,60 @@ TEST(ParticipantCheck, a_state_of_a_rejected_solution_is_found_by_its_own_row) {
   EXPECT_NE(row(check(Habit::new_detail), details).found.find("\"late\""), std::string::npos);
 }
 
+/// Its facet leaves in every other step, and comes back.
+class Flickering : public Dashpot, public ChangesFacets {
+ public:
+  explicit Flickering(bool forgets) : Dashpot(Habit::good), forgets_(forgets) {}
+  InterfaceFacets facets() const override {
+    return {
+        {"wall", count_ % 2 == 0 ? std::vector<std::int64_t>{0, 1} : std::vector<std::int64_t>()}};
+  }
+  AcceptReport accept_step(const StepRequest& request, bool solved) override {
+    ++count_;
+    return Dashpot::accept_step(request, solved);
+  }
+  State save_state() override {
+    State state = Dashpot::save_state();
+    state.reals["count"] = {static_cast<double>(count_)};
+    return state;
+  }
+  void load_state(const State& state) override {
+    Dashpot::load_state(state);
+    if (!forgets_) count_ = static_cast<int>(state.reals.at("count").front());
+  }
+
+ private:
+  bool forgets_;
+  int count_ = 0;
+};
+
+TEST(ParticipantCheck, facets_that_a_state_lacks_are_found) {
+  const std::string what = "the same facets after save, steps, load and the same steps";
+  for (const bool forgets : {false, true}) {
+    Flickering solver(forgets);
+    const auto rows = check_participant(solver, {.dt = 0.1, .amplitude = 1e-3});
+    EXPECT_EQ(all_passed(rows), !forgets) << table_text(rows);
+    EXPECT_EQ(row(rows, what).outcome,
+              forgets ? CheckRow::Outcome::failed : CheckRow::Outcome::passed);
+  }
+}
+
+/// A soil, for this purpose, that takes other facets.
+class Open : public Dashpot, public TakesFacets {
+ public:
+  Open() : Dashpot(Habit::good) {}
+  void set_facets(const InterfaceFacets& facets) override { told = facets; }
+  InterfaceFacets told;
+};
+
+TEST(ParticipantCheck, one_that_takes_other_facets_gets_its_own) {
+  Open solver;
+  const auto rows = check_participant(solver, {.dt = 0.1, .amplitude = 1e-3});
+  EXPECT_TRUE(all_passed(rows)) << table_text(rows);
+  EXPECT_EQ(rows.front().what, "facets that are those it has");
+  EXPECT_EQ(solver.told, (InterfaceFacets{{"wall", {0, 1}}}));
+}
+
 TEST(ParticipantCheck, rows_are_told_when_they_are_known) {
   Dashpot solver(Habit::dies);
   std::vector<std::string> told;
@@ -260,4 +315,4 @@ TEST(ParticipantCheck, the_table_says_where_and_by_how_much) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_participant_check

@@ -11,7 +11,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/coupler/sequence.hpp"
 
-namespace gabion {
+namespace gabion::test_radial_basis {
 namespace {
 
 using Eigen::Vector3d;
@@ -191,8 +191,8 @@ TEST(RadialBasis, vertices_that_determine_nothing_are_refused) {
   twice.vertices_per_facet = 0;
   test::expect_error<ConfigError>(
       [&] { Mapping(twice, soil, method("radial_basis")); },
-      {"interface \"wall\": radial basis functions", "none stands twice"});
+      {"interface \"wall\": radial basis functions", "allowed: each vertex once"});
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_radial_basis

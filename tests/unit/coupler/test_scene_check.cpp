@@ -9,7 +9,7 @@
 #include "tests/support/temporary_scene.hpp"
 #include "tests/unit/coupler/good_coupler.hpp"
 
-namespace gabion {
+namespace gabion::test_scene_check {
 namespace {
 
 /// The keys of a scene's files that matter from file to file; the rest is left out.
@@ -111,8 +111,8 @@ TEST_F(SceneCheck, a_file_that_nobody_reads_is_a_warning_that_says_why) {
   coupler["interfaces"][0]["soil"] = "sand";
   std::vector<std::string> found = check();
   ASSERT_EQ(found.size(), 2u);
-  EXPECT_NE(found[0].find("/mpm.json: nobody reads it; coupler.json: at /participants: "
-                          "found no \"soil\", it has: sand, structure"),
+  EXPECT_NE(found[0].find("/mpm.json: no participant reads this file; coupler.json: at "
+                          "/participants: found no \"soil\", it has: sand, structure"),
             std::string::npos)
       << found[0];
   EXPECT_NE(found[1].find("/coupler.json: at /participants/sand: has neither"), std::string::npos)
@@ -123,7 +123,7 @@ TEST_F(SceneCheck, a_file_that_nobody_reads_is_a_warning_that_says_why) {
   fem["interfaces"][0]["name"] = "fence";  // of nobody's business
   found = check();
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_NE(found[0].find("/fem.json: nobody reads it; coupler.json: at "
+  EXPECT_NE(found[0].find("/fem.json: no participant reads this file; coupler.json: at "
                           "/participants/structure/command"),
             std::string::npos);
 
@@ -142,9 +142,10 @@ TEST(RunSize, counts_steps_and_frames_as_a_run_makes_them) {
   EXPECT_EQ(size(0.5, 2e-4, 0.02), std::pair(2500l, 26l));
   EXPECT_EQ(size(0.3, 0.1, 0.1), std::pair(3l, 4l));  // 0.3 / 0.1 is 2.9999999999999996
   EXPECT_EQ(size(0.0125, 5e-4, 0.0025), std::pair(25l, 6l));
-  EXPECT_EQ(size(0.5, 0.3, 0.2), std::pair(2l, 3l));        // no more frames than states
-  EXPECT_EQ(size(0.005, 0.001, 0.002), std::pair(5l, 4l));  // 0, 0.002, 0.004 and the end
+  EXPECT_EQ(size(0.5, 0.3, 0.2), std::pair(2l, 3l));          // no more frames than states
+  EXPECT_EQ(size(0.005, 0.001, 0.002), std::pair(5l, 4l));    // 0, 0.002, 0.004 and the end
+  EXPECT_EQ(size(0.5, 0.001, 1e-25), std::pair(500l, 501l));  // 5e24 intervals
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_scene_check

@@ -13,7 +13,7 @@
 #include "tests/support/solver_server.hpp"
 #include "tests/unit/coupler/mass_springs.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_start {
 namespace {
 
 namespace fs = std::filesystem;
@@ -162,4 +162,4 @@ TEST(Start, a_soil_that_does_not_take_it_is_named) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_start

@@ -5,7 +5,7 @@
 #include "coupler/mapping/surface_extent.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion {
+namespace gabion::test_surface_check {
 namespace {
 
 /// A wall of this height [m] whose foot is at (x, 0), in `pieces` segments; soil on its left.
@@ -33,8 +33,8 @@ TEST(SurfaceCheck, millimetres_on_one_side_are_named_when_the_surfaces_are_apart
   test::expect_error<ConfigError>(
       [] { pair_up(wall(250, 50, 4), wall(0.25, 0.05, 5)); },
       {"m away from the structure's surface",
-       "the structure's side extends over 50, the soil's over 0.05, a factor "
-       "of about 1000: one of them seems to be in millimetres"});
+       "the structure's surface extends over 50, the soil's over 0.05, a factor of about 1000: one "
+       "of them seems to be in millimetres"});
   test::expect_error<ConfigError>([] { pair_up(wall(0.25, 0.05, 4), wall(250, 50, 5)); },
                                   {"over 0.05, the soil's over 50, a factor"});
 }
@@ -48,6 +48,34 @@ TEST(SurfaceCheck, units_are_not_named_without_a_reason) {
   EXPECT_EQ(unit_hint(wall(0, 0.05, 4), wall(0, 5, 4)), "");   // 100
   EXPECT_EQ(unit_hint(wall(0, 0.05, 4), wall(0, 45, 4)), "");  // 900
   EXPECT_NE(unit_hint(wall(0, 0.05, 4), wall(0, 49, 4)), "");  // 980: a facet shorter
+}
+
+/// The wall with a layer of cells of this thickness [m] behind it, on its right.
+InterfaceMesh with_cells_behind(InterfaceMesh mesh, double thickness) {
+  const std::vector<double> front = mesh.coordinates;
+  for (std::size_t k = 0; k < front.size(); k += 2) {
+    mesh.coordinates.insert(mesh.coordinates.end(), {front[k] + thickness, front[k + 1]});
+  }
+  return mesh;
+}
+
+/// Cells behind the surface on one side alone, or more there, are named with both files.
+TEST(SurfaceCheck, cells_behind_one_side_alone_are_named_when_the_surfaces_are_apart) {
+  const InterfaceMesh bare = wall(0.25, 0.05, 4), deep = with_cells_behind(bare, 0.01);
+  pair_up(deep, deep);
+  pair_up(deep, bare);
+  test::expect_error<ConfigError>(
+      [&] { pair_up(bare, deep); },
+      {"interface \"wall\": soil vertex 5 at", "m away", "; 5 vertices of the soil's side and 0 of",
+       "equal \"behind\" in the surface of mpm.json and in the interface of fem.json"});
+  test::expect_error<ConfigError>([&] { pair_up(deep, with_cells_behind(deep, 0.02)); },
+                                  {"15 vertices of the soil's side and 5 of the structure's"});
+  test::expect_error<ConfigError>(
+      [&] { pair_up(with_cells_behind(wall(0.26, 0.05, 4), 0.01), bare); },
+      {"0 vertices of the soil's side and 5 of the structure's"});
+  const std::string apart =
+      test::error_of<ConfigError>([&] { pair_up(wall(0.26, 0.05, 4), bare); });
+  EXPECT_EQ(apart.find("behind"), std::string::npos);
 }
 
 std::vector<std::string> warnings(const CouplingSettings& coupling, double x) {
@@ -79,4 +107,4 @@ TEST(SurfaceCheck, criteria_that_are_not_given_are_not_judged) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_surface_check

@@ -8,7 +8,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/element_test/followed.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_element_paths {
 namespace {
 
 double deviator(const ElementState& state) {
@@ -52,6 +52,53 @@ TEST(ElementPaths, undrained_strength_of_tresca) {
   const double J = std::exp(states.back().log_J);
   EXPECT_NEAR(deviator(states.back()), 2 * 4e4 / J, 1e-5);
   EXPECT_NEAR(states.back().log_J, states[5].log_J, 1e-14);
+}
+
+// Undrained strength of modified Cam-Clay: P at the critical state is P_0 (R / 2)^(1 - kappa /
+// lambda), R = P_c / P_0, with the slopes for Kirchhoff pressures, whatever the pressure is for
+// which the constants of the law are given.
+TEST(ElementPaths, undrained_strength_of_clay_after_consolidation) {
+  const double M = 1.1, lambda = 0.1, kappa = 0.02, a = 50, p = 1e5;
+  const double power = 1 - kappa / (1 - kappa) * (1 - lambda) / lambda;
+  std::vector<double> early;
+  for (const double reference : {2.5e4, 1e5, 4e5}) {
+    const Json soft = {{"law", "cam_clay"},
+                       {"density", 1800},
+                       {"poisson_ratio", 0.3},
+                       {"compression_index", lambda},
+                       {"swelling_index", kappa},
+                       {"critical_state_ratio", M},
+                       {"reference_pressure", reference},
+                       {"attraction", a}};
+    for (const double ocr : {1.0, 4.0}) {
+      Json first = consolidation(p);
+      first["ocr"] = ocr;
+      const auto states =
+          follow({{"material", soft}, {"stages", {first, compression(0.4, p, "undrained")}}});
+      const double J = std::exp(states.back().log_J), P = a + J * p, P_c = a + ocr * J * p;
+      const double strength = M * P * std::pow(P_c / P / 2, power) / J;
+      EXPECT_NEAR(deviator(states.back()), strength, 1e-6 * strength) << reference << " " << ocr;
+      if (ocr == 1) early.push_back(deviator(states[8]));
+    }
+  }
+  EXPECT_NEAR(early[0], early[1], 0.01 * early[1]);  // J of the consolidation
+  EXPECT_NEAR(early[2], early[1], 0.01 * early[1]);
+}
+
+TEST(ElementPaths, clay_remembers_its_stages_where_no_ratio_is_given) {
+  const Json soft = {{"law", "cam_clay"},        {"density", 1800},
+                     {"poisson_ratio", 0.3},     {"compression_index", 0.1},
+                     {"swelling_index", 0.02},   {"critical_state_ratio", 1.1},
+                     {"reference_pressure", 1e5}};
+  Json unloading = consolidation(1e5);
+  unloading["name"] = "unloading";
+  Json anew = unloading;
+  anew["ocr"] = 1;
+  const Json shear = compression(0.4, 1e5, "undrained");
+  const auto kept =
+      follow({{"material", soft}, {"stages", {consolidation(4e5), unloading, shear}}});
+  const auto reset = follow({{"material", soft}, {"stages", {consolidation(4e5), anew, shear}}});
+  EXPECT_NEAR(deviator(kept.back()) / deviator(reset.back()), std::pow(4, 0.8), 0.01);
 }
 
 TEST(ElementPaths, oedometer_of_an_elastic_soil) {
@@ -242,4 +289,4 @@ TEST(ElementPaths, stress_beyond_the_strength_is_refused_with_the_place) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_element_paths

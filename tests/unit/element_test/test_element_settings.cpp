@@ -9,7 +9,7 @@
 #include "tests/support/temp_folder.hpp"
 #include "tests/unit/element_test/followed.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_element_settings {
 namespace {
 
 void expect_refused(const Json& test, const std::vector<std::string_view>& parts) {
@@ -29,9 +29,9 @@ TEST(ElementSettings, wrong_input_is_refused_with_its_place) {
   expect_refused({{"stages", {consolidation(1e5)}}}, {"/material", "found none", "--scene"});
   expect_refused({{"material", sand()}, {"stages", Json::array()}}, {"/stages", "empty list"});
   expect_refused(with_stage(sand(), {{"strain", {{"yy", 0.1}}}}),
-                 {"/stages/0/stress/yy", "\"yy\" led twice"});
+                 {"/stages/0/stress/yy", "\"yy\" prescribed twice"});
   expect_refused(with_stage(sand(), {{"mean_stress", 1e5}, {"moved_by", {"xx"}}}),
-                 {"/stages/0/moved_by", "led twice"});
+                 {"/stages/0/moved_by", "prescribed twice"});
   expect_refused(
       with_stage(sand(), {{"stress", Json::object()}, {"mean_stress", 1e5}, {"moved_by", {"xy"}}}),
       {"/stages/0/moved_by", "xy", "xx, yy, zz"});
@@ -49,6 +49,9 @@ TEST(ElementSettings, wrong_input_is_refused_with_its_place) {
                           {"swelling_index", 0.02},   {"critical_state_ratio", 1},
                           {"reference_pressure", 1e5}};
   EXPECT_EQ(read(with_stage(remembers, nullptr)).stages.size(), 1);  // without a duration
+  EXPECT_EQ(read(with_stage(remembers, {{"ocr", 4}})).stages[0].ocr, 4);
+  expect_refused(with_stage(remembers, {{"ocr", 0.5}}), {"/stages/0/ocr", "0.5"});
+  expect_refused(with_stage(sand(), {{"ocr", 2}}), {"/stages/0/ocr", "mohr_coulomb", "allowed: 1"});
   Json sensitive = clay();
   sensitive["softening"] = {{"slip", 0.05}, {"residual_cohesion", 1e4}};
   expect_refused(with_stage(sensitive, nullptr), {"/band_width", "slip"});
@@ -86,4 +89,4 @@ TEST_F(ElementProgram, takes_the_material_of_a_scene_with_its_place_in_errors) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_element_settings

@@ -4,7 +4,7 @@
 
 #include "tests/unit/element_test/followed.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_element_slopes {
 namespace {
 
 using element::Response;
@@ -58,4 +58,4 @@ TEST(ElementSlopes, of_laws_with_and_without_memory_and_water) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_element_slopes

@@ -7,7 +7,7 @@
 #include "common/mechanics/mesh/boundary.hpp"
 #include "common/mechanics/mesh/mesh.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_quadratic_cells {
 namespace {
 
 constexpr CellType plane_cells[] = {CellType::tri6, CellType::quad8, CellType::quad9};
@@ -119,4 +119,4 @@ TEST(QuadraticCells, boxes_have_outward_facets_that_split_into_linear_ones) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_quadratic_cells

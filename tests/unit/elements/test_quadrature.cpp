@@ -7,7 +7,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/elements/reference_cells.hpp"
 
-namespace gabion {
+namespace gabion::test_quadrature {
 namespace {
 
 using test::inside_reference;
@@ -134,4 +134,4 @@ TEST(PointRule, of_another_count_is_refused_with_the_allowed_ones) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_quadrature

@@ -6,7 +6,7 @@
 #include "common/mechanics/elements/cell_facets.hpp"
 #include "tests/unit/elements/reference_cells.hpp"
 
-namespace gabion {
+namespace gabion::test_shape_functions {
 namespace {
 
 using test::reference_nodes;
@@ -134,4 +134,4 @@ TEST(CellType, has_its_name) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_shape_functions

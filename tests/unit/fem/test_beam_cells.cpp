@@ -10,7 +10,7 @@
 #include "tests/support/check_tangent.hpp"
 #include "tests/unit/fem/beam_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_beam_cells {
 namespace {
 
 using Eigen::MatrixXd;
@@ -224,4 +224,4 @@ TEST(BeamCells, refuses_large_steps) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_beam_cells

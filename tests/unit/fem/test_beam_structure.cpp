@@ -8,7 +8,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/beam_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_beam_structure {
 namespace {
 
 using std::numbers::pi;
@@ -300,4 +300,4 @@ TEST(BeamErrors, rotations_and_moments) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_beam_structure

@@ -10,7 +10,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/beam_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_beam_surfaces {
 namespace {
 
 using Eigen::VectorXd;
@@ -209,4 +209,4 @@ TEST(BeamSurfaces, refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_beam_surfaces

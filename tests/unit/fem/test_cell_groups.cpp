@@ -7,7 +7,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/yielding_tower.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_cell_groups {
 namespace {
 
 InterfaceValues push_top(const Solver& solver, double force) {
@@ -48,4 +48,4 @@ TEST(CellGroups, errors_reach_all_ranks) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_cell_groups

@@ -10,7 +10,7 @@
 #include "tests/unit/fem/cells_of_mesh.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_cell_integrals {
 namespace {
 
 constexpr double E = 1e6, nu = 0.3;
@@ -220,4 +220,4 @@ TEST(CellIntegrals, largest_rotation_of_a_cell) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_cell_integrals

@@ -6,7 +6,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/concrete_bar.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_cracking_structure {
 namespace {
 
 struct Torn {
@@ -212,4 +212,4 @@ TEST(CrackingStructure, crack_spacing) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_cracking_structure

@@ -9,7 +9,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/concrete_bar.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_embedded_bars {
 namespace {
 
 using Eigen::MatrixXd;
@@ -359,4 +359,4 @@ TEST(EmbeddedBars, rigid_links_to_embedded_nodes_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_embedded_bars

@@ -10,7 +10,7 @@
 #include "tests/unit/fem/cells_of_mesh.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_enhanced_cells {
 namespace {
 
 constexpr double E = 1e6, nu = 0.3;
@@ -235,4 +235,4 @@ TEST(EnhancedCells, triangles_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_enhanced_cells

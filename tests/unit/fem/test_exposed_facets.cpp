@@ -14,7 +14,7 @@
 #include "tests/unit/fem/energy_balance.hpp"
 #include "tests/unit/fem/yielding_tower.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_exposed_facets {
 namespace {
 
 using fem::ExposedFacets;
@@ -195,4 +195,4 @@ TEST(ChangingSurfaces, what_cannot_change_is_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_exposed_facets

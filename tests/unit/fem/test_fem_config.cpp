@@ -4,7 +4,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_fem_config {
 namespace {
 
 Json valid() {
@@ -199,7 +199,7 @@ TEST(FemConfig, values_in_other_units_are_said) {
                                    "at /material/young_modulus: found 30.0 Pa, softer than",
                                    "in GPa it would be 3e+10 Pa"});
   json["material"] = elastic("linear_elastic", 3e4, 0.2, 2400);  // of concrete, in MPa
-  expect_parts(warnings_of(json), {"waves of 3.73 m/s", "under its own weight"});
+  expect_parts(warnings_of(json), {"wave speed 3.73 m/s", "under its own weight"});
   json["gravity"] = {0, -9810};
   expect_parts(warnings_of(json), {"at /gravity: found [0,-9810] m/s^2", "in mm/s^2"});
   json["gravity"] = {0, -9.81};
@@ -210,4 +210,4 @@ TEST(FemConfig, values_in_other_units_are_said) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_fem_config

@@ -12,7 +12,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/plate.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_fem_ranks {
 namespace {
 
 void expect_equal_on_ranks(ForceKind kind) {
@@ -284,4 +284,4 @@ TEST(FemRanks, failure_leaves_the_accepted_state) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_fem_ranks

@@ -7,7 +7,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/plate.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_fem_solver {
 namespace {
 
 TEST(FemSolver, interface_faces_outward) {
@@ -260,4 +260,4 @@ TEST(FemSolver, statics_that_fail_at_any_dt_say_so) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_fem_solver

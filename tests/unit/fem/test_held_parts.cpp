@@ -6,7 +6,7 @@
 #include "tests/support/gmsh_text.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_held_parts {
 namespace {
 
 Json held(const TemporaryMesh& mesh, const std::vector<std::string>& groups) {
@@ -77,4 +77,4 @@ TEST(HeldParts, one_piece_says_nothing) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_held_parts

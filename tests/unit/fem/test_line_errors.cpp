@@ -7,7 +7,7 @@
 #include "tests/unit/fem/line_scene.hpp"
 #include "tests/unit/fem/yielding_tower.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_line_errors {
 namespace {
 
 using Parts = std::vector<std::string_view>;
@@ -150,4 +150,4 @@ TEST(LineErrors, copies_of_a_line_are_labels) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_line_errors

@@ -6,7 +6,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "tests/unit/fem/line_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_lines_on_ranks {
 namespace {
 
 /// Four squares in a row with a rope from each end to an anchor, one with a brake.
@@ -86,4 +86,4 @@ TEST(LinesOnRanks, saved_state_has_the_runs) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_lines_on_ranks

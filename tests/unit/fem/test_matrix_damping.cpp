@@ -8,7 +8,7 @@
 #include "tests/unit/fem/matrix_scene.hpp"
 #include "tests/unit/fem/projectile.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_matrix_damping {
 namespace {
 
 Json bossak(double alpha) {
@@ -150,4 +150,4 @@ TEST(MatrixDamping, that_would_make_energy_is_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_matrix_damping

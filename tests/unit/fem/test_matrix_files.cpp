@@ -6,7 +6,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/matrix_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_matrix_files {
 namespace {
 
 using fem::read_symmetric_matrix;
@@ -115,4 +115,4 @@ TEST_F(MatrixFiles, what_is_written_reads_back_to_the_bit) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_matrix_files

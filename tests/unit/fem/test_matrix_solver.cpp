@@ -10,7 +10,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/matrix_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_matrix_solver {
 namespace {
 
 using Solver2 = fem::MatrixSolver<2>;
@@ -324,4 +324,4 @@ TEST(MatrixSolver, what_moves_by_itself_is_not_written_as_matrices) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_matrix_solver

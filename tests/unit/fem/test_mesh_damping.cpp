@@ -11,7 +11,7 @@
 #include "tests/unit/fem/matrix_scene.hpp"
 #include "tests/unit/fem/projectile.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_mesh_damping {
 namespace {
 
 using std::numbers::pi;
@@ -209,4 +209,4 @@ TEST(MeshDamping, without_a_meaning_is_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_mesh_damping

@@ -11,7 +11,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_mesh_ranks {
 namespace {
 
 template <int dim>
@@ -157,4 +157,4 @@ TEST(MeshRanks, nodal_sums_are_those_of_one_rank) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_mesh_ranks

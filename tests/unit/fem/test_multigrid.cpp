@@ -5,7 +5,7 @@
 #include "fem_solver/step/kept_factor.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_multigrid {
 namespace {
 
 using fem::FemSettings;
@@ -183,4 +183,4 @@ TEST(KeptFactor, asked_for_is_kept) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_multigrid

@@ -13,7 +13,7 @@
 #include "tests/unit/fem/cells_of_mesh.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_quadratic_cells {
 namespace {
 
 constexpr double E = 1e6, nu = 0.3;
@@ -321,4 +321,4 @@ TEST(QuadraticCells, cooks_membrane_at_finite_strain) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_quadratic_cells

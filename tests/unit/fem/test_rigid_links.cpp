@@ -11,7 +11,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/beam_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_rigid_links {
 namespace {
 
 using Eigen::MatrixXd;
@@ -20,7 +20,7 @@ using Parts = std::vector<std::string_view>;
 
 constexpr double length = 0.7;  // of the rotations' unknowns
 
-/// Three nodes that node 3 takes along; node 4 has its rotation.
+/// Three nodes that move with node 3; node 4 has its rotation.
 template <int dim>
 struct OneLink {
   std::vector<Vector<dim>> arms;
@@ -219,7 +219,7 @@ TEST(RigidLinks, a_post_on_a_stiff_block_is_clamped) {
   }
 }
 
-/// The foot of the post lies in a node of the cube that the link takes along, or in one that it
+/// The foot of the post lies in a node of the cube that the link moves, or in one that it
 /// does not take along.
 TEST(RigidLinks, nodes_that_a_link_joins_are_not_said_to_be_apart) {
   for (const bool is_linked : {true, false}) {
@@ -327,4 +327,4 @@ TEST(RigidLinks, refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_rigid_links

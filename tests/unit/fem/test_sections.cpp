@@ -6,7 +6,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_sections {
 namespace {
 
 constexpr double weight = 2 * 1000 * 9.81;  // of the whole cantilever [N]
@@ -100,4 +100,4 @@ TEST(Sections, planes_beside_the_structure_and_without_normal_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_sections

@@ -8,7 +8,7 @@
 #include "common/mechanics/ranks/sum.hpp"
 #include "tests/unit/fem/line_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_sections_of_shapes {
 namespace {
 
 constexpr double stiff = 1e14;  // Young's modulus that leaves no displacement to speak of [Pa]
@@ -143,4 +143,4 @@ TEST(SectionsOfShapes, a_run_from_a_saved_state_has_the_same_bits) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_sections_of_shapes

@@ -10,7 +10,7 @@
 #include "tests/unit/fem/cells_of_mesh.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_solid_shells {
 namespace {
 
 constexpr double E = 1e6, nu = 0.3;
@@ -191,8 +191,8 @@ TEST(SolidShells, a_rigid_rotation_gives_no_stress) {
   }
 }
 
-/// The same forces whatever corner a cell's numbers begin with; turned in space, they turn along;
-/// in millimetres they are those in metres.
+/// Forces do not depend on the corner with which a cell's numbers begin; when the cell is rotated,
+/// they rotate with it; in millimetres they are those in metres.
 TEST(SolidShells, numbering_direction_and_unit_do_not_matter) {
   for (const std::string law : {"neo_hookean", "von_mises"}) {
     auto settings = plate_of(shell_of(law), 0.1);
@@ -334,4 +334,4 @@ TEST(SolidShells, what_is_not_clear_is_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_solid_shells

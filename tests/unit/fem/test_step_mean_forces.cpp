@@ -8,7 +8,7 @@
 #include "tests/support/convergence_rate.hpp"
 #include "tests/unit/fem/fem_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_step_mean_forces {
 namespace {
 
 const Json trapezoid = {{"scheme", "newmark"}};
@@ -293,4 +293,4 @@ TEST(StepMeanForces, static_structures_take_them_as_they_are) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_step_mean_forces

@@ -8,7 +8,7 @@
 #include "tests/unit/fem/fem_scene.hpp"
 #include "tests/unit/fem/projectile.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_step_work {
 namespace {
 
 const Json trapezoid = {{"scheme", "newmark"}};
@@ -168,11 +168,11 @@ std::string said_while_turning(const std::string& law) {
 TEST(SmallStrain, a_block_that_turns_is_said) {
   const std::string said = said_while_turning("linear_elastic");
   for (const char* words :
-       {"structure: linear_elastic has turned by 10 degrees", "by 20", "by 40"}) {
+       {"structure: linear_elastic has rotated by 10 degrees", "by 20", "by 40"}) {
     EXPECT_NE(said.find(words), std::string::npos) << words << " in " << said;
   }
   EXPECT_EQ(said_while_turning("neo_hookean").find("turned"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_step_work

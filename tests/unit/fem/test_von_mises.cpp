@@ -10,7 +10,7 @@
 #include "tests/support/check_tangent.hpp"
 #include "tests/support/mpi_main.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_von_mises {
 namespace {
 
 using fem::Hardening;
@@ -287,4 +287,4 @@ TEST(LogStrain, elastic_laws) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_von_mises

@@ -10,7 +10,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/beam_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_yielding_beams {
 namespace {
 
 using Parts = std::vector<std::string_view>;
@@ -316,4 +316,4 @@ TEST(YieldingBeams, refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_yielding_beams

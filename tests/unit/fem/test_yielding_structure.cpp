@@ -7,7 +7,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/fem/yielding_tower.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_yielding_structure {
 namespace {
 
 InterfaceValues on_top(const Solver& solver, double fx, double fy) {
@@ -298,4 +298,4 @@ TEST(YieldingStructure, energy_balance_in_dynamics) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_yielding_structure

@@ -9,7 +9,7 @@
 
 #include "tests/unit/materials/random_state.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_batch_return {
 namespace {
 
 constexpr double lambda = 1.7e6, mu = 0.9e6;
@@ -184,4 +184,4 @@ TEST(BatchReturn, is_for_laws_without_a_cut_off) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_batch_return

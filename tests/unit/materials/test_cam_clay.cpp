@@ -7,7 +7,7 @@
 #include "tests/unit/materials/cam_clay_element.hpp"
 #include "tests/unit/materials/plastic_tangent.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_cam_clay {
 namespace {
 
 template <int dim>
@@ -231,4 +231,4 @@ TEST(CamClay, moduli_of_invariants_match_differences) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_cam_clay

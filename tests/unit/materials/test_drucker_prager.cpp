@@ -5,7 +5,7 @@
 
 #include "tests/unit/materials/plastic_return.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_drucker_prager {
 namespace {
 
 constexpr double lambda = 1.7, mu = 0.9;
@@ -171,4 +171,4 @@ TEST(DruckerPrager, associated_plane_strain_match_is_the_classical_one) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_drucker_prager

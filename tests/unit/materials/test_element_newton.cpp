@@ -6,7 +6,7 @@
 
 #include "tests/unit/materials/random_state.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_element_newton {
 namespace {
 
 constexpr double lambda = 1.7e6, mu = 0.9e6, M = lambda + 2 * mu;
@@ -88,4 +88,4 @@ TEST(ElementNewton, converges_quadratically_on_plastic_elements) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_element_newton

@@ -3,7 +3,7 @@
 
 #include "tests/unit/materials/random_state.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_gap {
 namespace {
 
 constexpr double lambda = 1.7e6, mu = 0.9e6, bulk = lambda + 2 * mu / 3;
@@ -137,4 +137,4 @@ TEST(Gap, of_cohesive_soil_opens_at_the_apex_stress) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_gap

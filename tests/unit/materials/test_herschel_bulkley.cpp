@@ -6,7 +6,7 @@
 #include "common/mechanics/materials/herschel_bulkley.hpp"
 #include "tests/unit/materials/random_state.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_herschel_bulkley {
 namespace {
 
 constexpr double lambda = 5e6, mu = 1e5, M = lambda + 2 * mu;
@@ -134,4 +134,4 @@ TEST(HerschelBulkley, shear_stress_relaxes_to_the_yield_stress) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_herschel_bulkley

@@ -3,7 +3,7 @@
 
 #include "tests/unit/materials/random_state.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_material_response {
 namespace {
 
 constexpr double lambda = 1.7e6, mu = 0.9e6, M = lambda + 2 * mu;
@@ -226,4 +226,4 @@ TEST(MaterialResponse, plastic_laws_are_isotropic) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_material_response

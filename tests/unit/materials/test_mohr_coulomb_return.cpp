@@ -3,7 +3,7 @@
 
 #include "tests/unit/materials/plastic_return.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_mohr_coulomb_return {
 namespace {
 
 constexpr double lambda = 1.7, mu = 0.9;
@@ -169,4 +169,4 @@ TEST(MohrCoulomb, cohesionless_tension_forgets_the_elastic_strain) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_mohr_coulomb_return

@@ -8,7 +8,7 @@
 #include "common/mechanics/materials/mu_i.hpp"
 #include "tests/unit/materials/plastic_tangent.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_mu_i {
 namespace {
 
 constexpr double lambda = 5e6, mu = 1e6, M = lambda + 2 * mu;
@@ -176,4 +176,4 @@ TEST(MuI, bounds_of_friction_by_the_size_of_the_step) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_mu_i

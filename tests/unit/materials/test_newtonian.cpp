@@ -7,7 +7,7 @@
 
 #include "tests/unit/materials/random_state.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_newtonian {
 namespace {
 
 constexpr double K = 2e6;
@@ -194,4 +194,4 @@ TEST(Newtonian, without_time_or_in_the_end_there_is_pressure_alone) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_newtonian

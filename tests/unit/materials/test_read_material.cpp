@@ -4,7 +4,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/materials/random_state.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_read_material {
 namespace {
 
 Json soil() {
@@ -288,4 +288,4 @@ TEST(ReadMaterial, errors_say_where_what_and_what_is_allowed) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_read_material

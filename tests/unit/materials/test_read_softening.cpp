@@ -4,7 +4,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/materials/random_state.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_read_softening {
 namespace {
 
 Json sand(const Json& softening) {
@@ -64,6 +64,21 @@ TEST(ReadSoftening, of_tables) {
   EXPECT_FALSE(strain.parameters().by_slip);
 }
 
+TEST(ReadSoftening, of_clay_whose_strength_grows_with_the_rate) {
+  const auto soil = read(clay({{"slip", 0.01}, {"rate_gain", 0.1}, {"reference_rate", 1e-5}}));
+  EXPECT_EQ(soil.parameters().rate_gain.gain, 0.1);
+  EXPECT_EQ(soil.parameters().rate_gain.reference, 1e-5);
+  expect_refused(clay({{"slip", 0.01}, {"rate_gain", 0.1}}), {"/softening/reference_rate"});
+  expect_refused(clay({{"slip", 0.01}, {"reference_rate", 1e-5}}), {"/softening/reference_rate"});
+  expect_refused(clay({{"slip", 0.01}, {"rate_gain", -0.1}, {"reference_rate", 1e-5}}),
+                 {"/softening/rate_gain", "found -0.1"});
+  expect_refused(
+      clay({{"slip", 0.01}, {"rate_gain", 0.1}, {"reference_rate", 1e-5}, {"relaxation_time", 1}}),
+      {"/softening/rate_gain", "relaxation_time"});
+  expect_refused(sand({{"slip", 0.01}, {"rate_gain", 0.1}, {"reference_rate", 1e-5}}),
+                 {"/softening/rate_gain"});
+}
+
 TEST(ReadSoftening, refuses_what_has_no_meaning) {
   expect_refused(sand(Json::object()), {"/softening", "slip"});
   expect_refused(sand({{"slip", 0.1}, {"strain", 0.1}}), {"/softening"});
@@ -100,4 +115,4 @@ TEST(ReadSoftening, refuses_what_has_no_meaning) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_read_softening

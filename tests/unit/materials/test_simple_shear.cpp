@@ -3,7 +3,7 @@
 
 #include "tests/unit/materials/random_state.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_simple_shear {
 namespace {
 
 /// Shear a point in plane strain, no strain along the shear plane, normal stress held at
@@ -105,4 +105,4 @@ TEST(Biaxial, strength_is_kp) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_simple_shear

@@ -8,7 +8,7 @@
 
 #include "tests/unit/materials/random_state.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_softening {
 namespace {
 
 constexpr double E = 1e6, nu = 0.3;  // [Pa], -
@@ -57,6 +57,11 @@ SofteningParameters viscous(SofteningParameters soil, double relaxation_time) {
   return soil;
 }
 
+SofteningParameters quick(SofteningParameters soil, double gain = 0.2, double reference = 1e-3) {
+  soil.rate_gain = {gain, reference};
+  return soil;
+}
+
 std::vector<SofteningParameters> soils() {
   return {sand(),
           sand(Dilation::rowe),
@@ -65,7 +70,9 @@ std::vector<SofteningParameters> soils() {
           cut_off(sand(), 5e3),
           cut_off(clay(), 8e3),
           viscous(sand(), 0.2),
-          viscous(clay(), 0.2)};
+          viscous(clay(), 0.2),
+          quick(clay()),
+          quick(cut_off(clay(), 8e3))};
 }
 
 /// The law at a point.
@@ -172,7 +179,8 @@ TEST(Softening, ends_on_the_surface_of_its_end) {
       flow.diagonal().array() -= flow.trace() / 3;
       EXPECT_NEAR(added[0], std::sqrt(2.0 / 3) * flow.norm(), 1e-13);
       const double x = parameters.by_slip ? out.internal[1] : out.internal[0];
-      const SoftenedConstants now = soil.law.surface().at(x, 1);
+      const ShearSoFar end{.x = x, .rate = 0, .dt = soil.context.dt};
+      const SoftenedConstants now = soil.law.surface().in_step(end, added[0]);
       const Eigen::Vector3d tau = principal<3>(out.tau);
       const double f = now.law.k * tau[0] - tau[2] - now.law.strength;
       EXPECT_LT(f, 1e-9 * E * size);
@@ -274,6 +282,34 @@ TEST(Softening, lags_behind_by_its_relaxation_time) {
   }
 }
 
+/// Steady simple shear bears c (1 + a / ln 10 asinh(rate / (2 reference))), in steps of any length,
+/// so that a decade more of the rate adds the share a.
+TEST(Softening, strength_grows_with_the_logarithm_of_the_rate) {
+  const double c = 1e4, gain = 0.1, reference = 1e-3;
+  const auto stress_at = [&](double rate, double strain) {
+    InContext<2> point{SofteningSoil<2>(quick(clay(c), gain, reference)), {.dt = strain / rate}};
+    MaterialState<2> state;
+    Matrix<2> H = Matrix<2>::Zero();
+    H(0, 1) = strain;
+    StressUpdate<2> out;
+    for (double sheared = 0; sheared < 0.2; sheared += strain) {
+      out = stress<2>(point, H, state);
+      state = out.state;
+      point.context.internal = out.internal;
+    }
+    const Eigen::Vector3d tau = principal<2>(out.tau);
+    return 0.5 * (tau[0] - tau[2]);
+  };
+  for (const double strain : {1e-4, 1e-3}) {
+    const double fast = stress_at(1e3, strain), slower = stress_at(1e2, strain);
+    EXPECT_NEAR((fast - slower) / c, gain, 1e-3 * gain) << strain;
+    EXPECT_NEAR(stress_at(reference, strain) / c, 1 + gain / std::log(10) * std::asinh(0.5),
+                1e-3 * gain)
+        << strain;
+    EXPECT_NEAR(stress_at(1e-4 * reference, strain) / c, 1, 1e-3 * gain) << strain;
+  }
+}
+
 /// A batch of four points leaves those that yield; the others are as they are one by one.
 template <int dim>
 void compare_batch() {
@@ -363,4 +399,4 @@ TEST(StrengthCurve, of_a_table_is_monotone_between_its_rows) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_softening

@@ -3,7 +3,7 @@
 
 #include "tests/unit/materials/random_state.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_spectral {
 namespace {
 
 template <int dim>
@@ -72,4 +72,4 @@ TEST(Spectral, determinant_minus_one_keeps_tiny_volume_change) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_spectral

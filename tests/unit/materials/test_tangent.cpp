@@ -4,7 +4,7 @@
 #include "tests/unit/materials/plastic_return.hpp"
 #include "tests/unit/materials/plastic_tangent.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_tangent {
 namespace {
 
 constexpr double lambda = 1.7e6, mu = 0.9e6, M = lambda + 2 * mu;
@@ -224,4 +224,4 @@ INSTANTIATE_TEST_SUITE_P(Angles, MohrCoulombTangent,
                          ::testing::Values(Angles{19.8, 0}, Angles{30, 10}, Angles{35, 35}));
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_tangent

@@ -4,7 +4,7 @@
 #include "tests/unit/materials/plastic_return.hpp"
 #include "tests/unit/materials/plastic_tangent.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_tension_cutoff {
 namespace {
 
 constexpr double lambda = 1.7, mu = 0.9, M = lambda + 2 * mu, cohesion = 0.05;
@@ -158,4 +158,4 @@ TEST(TensionCutoffPath, a_bar_carries_the_cut_off) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_tension_cutoff

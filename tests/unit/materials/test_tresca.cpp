@@ -5,7 +5,7 @@
 
 #include "tests/unit/materials/plastic_return.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_tresca {
 namespace {
 
 constexpr double lambda = 1.7, mu = 0.9, cohesion = 0.02;
@@ -88,4 +88,4 @@ TEST(Tresca, regions_have_names) {
 }
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_tresca

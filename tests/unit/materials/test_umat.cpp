@@ -10,7 +10,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/materials/random_state.hpp"
 
-namespace gabion::testing {
+namespace gabion::testing::test_umat {
 namespace {
 
 using test::expect_error;
@@ -279,4 +279,4 @@ TEST(Umat, linear_elastic_in_fortran) {
 #endif
 
 }  // namespace
-}  // namespace gabion::testing
+}  // namespace gabion::testing::test_umat

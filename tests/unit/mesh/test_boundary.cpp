@@ -5,7 +5,7 @@
 
 #include "tests/unit/mesh/mesh_checks.hpp"
 
-namespace gabion {
+namespace gabion::test_boundary {
 namespace {
 
 TEST(Boundary, neighbours_of_a_row_of_quads) {
@@ -84,4 +84,4 @@ TEST(Boundary, a_facet_without_area_is_refused) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_boundary

@@ -3,7 +3,7 @@
 
 #include "tests/unit/mesh/mesh_checks.hpp"
 
-namespace gabion {
+namespace gabion::test_box_mesh {
 namespace {
 
 using test::enclosed_volume;
@@ -153,4 +153,4 @@ TEST(Mesh, cell_volume_of_a_general_quad_and_hex_is_exact) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_box_mesh

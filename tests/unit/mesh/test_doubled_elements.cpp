@@ -7,7 +7,7 @@
 #include "tests/support/gmsh_text.hpp"
 #include "tests/unit/mesh/mesh_checks.hpp"
 
-namespace gabion {
+namespace gabion::test_doubled_elements {
 namespace {
 
 using test::expect_error;
@@ -175,4 +175,4 @@ TEST(ConnectedParts, two_blocks_of_bricks) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_doubled_elements

@@ -7,7 +7,7 @@
 
 #include "tests/unit/mesh/mesh_checks.hpp"
 
-namespace gabion {
+namespace gabion::test_gmsh_errors {
 namespace {
 
 using test::error_of;
@@ -199,4 +199,4 @@ TEST_F(GmshErrors, every_truncation_is_an_error_and_none_crashes) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_gmsh_errors

@@ -3,7 +3,7 @@
 
 #include "tests/unit/mesh/mesh_checks.hpp"
 
-namespace gabion {
+namespace gabion::test_gmsh_reader {
 namespace {
 
 using test::enclosed_volume;
@@ -74,4 +74,4 @@ TEST(GmshReader, reads_a_tet_mesh_and_names_a_nameless_group_by_its_number) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_gmsh_reader

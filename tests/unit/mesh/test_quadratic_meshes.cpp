@@ -8,7 +8,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/gmsh_text.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_quadratic_meshes {
 namespace {
 
 /// Numbers of Gmsh's element types.
@@ -106,4 +106,4 @@ TEST(QuadraticMeshes, facets_of_another_order_belong_to_no_cell) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_quadratic_meshes

@@ -6,7 +6,7 @@
 
 #include "tests/unit/mesh/mesh_checks.hpp"
 
-namespace gabion {
+namespace gabion::test_read_mesh {
 namespace {
 
 /// A scene folder with one fem.json whose "mesh" is the given text.
@@ -81,4 +81,4 @@ TEST_F(ReadMesh, errors_name_the_key) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_read_mesh

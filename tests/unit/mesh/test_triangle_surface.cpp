@@ -10,7 +10,7 @@
 #include "common/mechanics/mesh/triangle_surface.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_triangle_surface {
 namespace {
 
 using Triangle = std::array<Vector<3>, 3>;
@@ -195,4 +195,4 @@ TEST_F(TriangleFiles, broken_files_are_refused_with_the_place) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_triangle_surface

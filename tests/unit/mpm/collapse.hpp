@@ -67,7 +67,7 @@ inline StepRequest collapse_step(int n) {
 }
 
 /// Steps `first` to `last`.
-inline void run_steps(Solver& solver, int first, int last) {
+inline void run_collapse(Solver& solver, int first, int last) {
   InterfaceValues forces;
   for (int n = first; n <= last; ++n) {
     solver.solve_step(collapse_step(n), {}, forces);

@@ -10,7 +10,7 @@
 #include "tests/support/check_tangent.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_averaged_forces {
 namespace {
 
 using Eigen::VectorXd;
@@ -297,4 +297,4 @@ TEST(AveragedForces, a_point_that_is_squeezed_flat_is_found) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_averaged_forces

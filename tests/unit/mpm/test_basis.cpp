@@ -12,7 +12,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_basis {
 namespace {
 
 using mpm::AxisValues;
@@ -541,4 +541,4 @@ TEST(PointDomains, are_cut_to_a_cell_and_counted) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_basis

@@ -11,7 +11,7 @@
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_body_groups {
 namespace {
 
 using mpm::BodyGroups;
@@ -436,4 +436,4 @@ TEST(BodyGroups, blocks_that_collide_in_space) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_body_groups

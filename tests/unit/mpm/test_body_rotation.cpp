@@ -6,7 +6,7 @@
 
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_body_rotation {
 namespace {
 
 template <int dim>
@@ -57,11 +57,11 @@ TEST(BodyRotation, is_said_of_linear_elastic_bodies_alone) {
     rotations.look(points);
     rotations.look(points);
     const std::string said = testing::internal::GetCapturedStderr();
-    const auto place = said.find("body \"block\": linear_elastic has turned by 40 degrees");
+    const auto place = said.find("body \"block\": linear_elastic has rotated by 40 degrees");
     EXPECT_EQ(place != std::string::npos, law == std::string("linear_elastic")) << said;
     EXPECT_EQ(said.find("turned", place + 60), std::string::npos) << said;
   }
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_body_rotation

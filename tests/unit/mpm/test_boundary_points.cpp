@@ -6,7 +6,7 @@
 #include "mpm_solver/contact/contact.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_boundary_points {
 namespace {
 
 using mpm::BoundaryPointSettings;
@@ -425,4 +425,4 @@ TEST(ContactSettings, interface_mesh_is_the_surface) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_boundary_points

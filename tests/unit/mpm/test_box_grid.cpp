@@ -13,7 +13,7 @@
 #include "mpm_solver/grid/sparse_list.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion::mpm {
+namespace gabion::mpm::test_box_grid {
 namespace {
 
 const Vector<2> low_2d(0.1, -3), high_2d(1.3, -1);
@@ -202,4 +202,4 @@ TEST(SparseList, keeps_what_was_set) {
 }
 
 }  // namespace
-}  // namespace gabion::mpm
+}  // namespace gabion::mpm::test_box_grid

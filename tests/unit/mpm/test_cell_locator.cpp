@@ -11,7 +11,7 @@
 #include "mpm_solver/grid/cell_locator.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion::mpm {
+namespace gabion::mpm::test_cell_locator {
 namespace {
 
 template <int dim>
@@ -229,4 +229,4 @@ TEST(CellLocator, refuses_a_cell_of_negative_volume) {
 }
 
 }  // namespace
-}  // namespace gabion::mpm
+}  // namespace gabion::mpm::test_cell_locator

@@ -6,7 +6,7 @@
 #include "mpm_solver/grid/patch_basis.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_cell_patches {
 namespace {
 
 /// Number of nodes of each patch. Checks that the patches are a partition, in the order they say.
@@ -123,4 +123,4 @@ TEST(CellPatches, weights_are_those_of_the_cells) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_cell_patches

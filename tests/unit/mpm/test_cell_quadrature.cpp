@@ -12,7 +12,7 @@
 #include "mpm_solver/stress/internal_forces.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_cell_quadrature {
 namespace {
 
 /// A filled box whose points are moved by up to `shift` of a cell.
@@ -232,4 +232,4 @@ TEST(CellQuadrature, leaves_explicit_steps_stable) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_cell_quadrature

@@ -9,7 +9,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_changing_facets {
 namespace {
 
 constexpr double dt = 1.0 / 1024;
@@ -218,4 +218,4 @@ TEST(ChangingFacets, what_cannot_change_is_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_changing_facets

@@ -9,7 +9,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_clay_soil {
 namespace {
 
 constexpr double density = 1800, g = 10, height = 4, attraction = 2e3, k0 = 0.55, ocr = 2;
@@ -132,4 +132,4 @@ TEST(ClaySoil, refusals) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_clay_soil

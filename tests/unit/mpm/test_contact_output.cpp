@@ -9,7 +9,7 @@
 #include "mpm_solver/report/contact_output.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_contact_output {
 namespace {
 
 /// A block of 1 m on a rigid floor that goes by a given displacement upwards and to the side in
@@ -257,4 +257,4 @@ TEST(ContactOutput, a_series_for_each_surface) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_contact_output

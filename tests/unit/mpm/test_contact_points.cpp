@@ -8,7 +8,7 @@
 #include "mpm_solver/contact/facet_parts.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_contact_points {
 namespace {
 
 using mpm::ContactSettings;
@@ -135,4 +135,4 @@ TEST(ContactPoints, numbers_of_the_members_are_all_of_them_in_the_order_of_the_s
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_contact_points

@@ -7,7 +7,7 @@
 #include "tests/support/check_tangent.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_equilibrium {
 namespace {
 
 /// One balance of momentum with everything it refers to.
@@ -451,4 +451,4 @@ TEST(Regularisation, is_a_share_of_the_elastic_stiffness_where_soil_yields) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_equilibrium

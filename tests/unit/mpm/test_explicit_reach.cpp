@@ -7,7 +7,7 @@
 
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_explicit_reach {
 namespace {
 
 Json sand(double cohesion = 0) {
@@ -195,4 +195,4 @@ TEST(ExplicitReach, most_of_the_soil) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_explicit_reach

@@ -7,7 +7,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/pushed_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_explicit_step {
 namespace {
 
 const Json explicit_steps = {{"scheme", "explicit"}};
@@ -277,4 +277,4 @@ TEST(ExplicitStep, what_it_does_not_do_is_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_explicit_step

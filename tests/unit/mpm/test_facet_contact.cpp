@@ -6,7 +6,7 @@
 #include "mpm_solver/contact/contact.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_facet_contact {
 namespace {
 
 using mpm::ContactMode;
@@ -301,4 +301,4 @@ TEST(FacetContact, a_plate_that_is_pulled_off_leaves_no_force) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_facet_contact

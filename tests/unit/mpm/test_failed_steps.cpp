@@ -9,7 +9,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_failed_steps {
 namespace {
 
 /// Soil that a moving wall squeezes against another one, by a quarter of its width in 1 s.
@@ -116,4 +116,4 @@ TEST(FailedSteps, that_fail_at_any_dt_say_so) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_failed_steps

@@ -11,7 +11,7 @@
 #include "common/mechanics/ranks/share.hpp"
 #include "tests/unit/mpm/collapse.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_frames_of_ranks {
 namespace {
 
 /// Points of ten chunks of a file, scattered over the ranks; some have left.
@@ -48,11 +48,11 @@ TEST(FramesOfRanks, are_those_of_one_rank) {
   if (rank() == 0) std::filesystem::remove_all(folder);
   MPI_Barrier(comm());
   const auto shared = make_mpm(json, comm(), folder / "shared");
-  run_steps(*shared, 1, 60);
+  run_collapse(*shared, 1, 60);
   shared->write_output(0.1);
   if (rank() != 0) return;
   const auto alone = make_mpm(json, MPI_COMM_SELF, folder / "alone");
-  run_steps(*alone, 1, 60);
+  run_collapse(*alone, 1, 60);
   alone->write_output(0.1);
 
   const Hdf5Reader a(folder / "alone" / "soil_000000.h5"), b(folder / "shared" / "soil_000000.h5");
@@ -73,4 +73,4 @@ TEST(FramesOfRanks, are_those_of_one_rank) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_frames_of_ranks

@@ -9,7 +9,7 @@
 #include "mpm_solver/step/free_surface.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_free_surface {
 namespace {
 
 /// Regular points of the side `size` that fill a box, turned by an angle in the x-y plane.
@@ -164,4 +164,4 @@ TEST(FreeSurface, another_body_is_no_air) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_free_surface

@@ -7,7 +7,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_friction_at_speed {
 namespace {
 
 /// A block of 1 m that slides at 2 m/s over a floor, in the direction of the angle.
@@ -83,4 +83,4 @@ TEST(FrictionAtSpeed, wrong_values) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_friction_at_speed

@@ -6,7 +6,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_gates {
 namespace {
 
 constexpr double k0 = 0.5, height = 0.5, weight = 9810;
@@ -116,4 +116,4 @@ TEST(Gates, walls_that_do_not_act_cannot_be_named) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_gates

@@ -5,7 +5,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_gauges {
 namespace {
 
 using mpm::Gauge;
@@ -223,4 +223,4 @@ TEST(Gauges, corners_that_make_no_gauge_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_gauges

@@ -6,7 +6,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_grid_exits {
 namespace {
 
 /// A block that flies to the right, out of a grid without a wall there.
@@ -88,4 +88,4 @@ TEST(GridExits, a_probe_that_leaves_is_empty) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_grid_exits

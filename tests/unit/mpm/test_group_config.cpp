@@ -7,7 +7,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_group_config {
 namespace {
 
 Json group(const std::string& name, const std::vector<std::string>& bodies) {
@@ -137,4 +137,4 @@ TEST(GroupConfig, a_state_of_other_groups_is_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_group_config

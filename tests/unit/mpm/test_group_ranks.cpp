@@ -7,7 +7,7 @@
 
 #include "tests/unit/mpm/steps_on_ranks.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_group_ranks {
 namespace {
 
 struct GroupCase {
@@ -103,4 +103,4 @@ TEST(GroupRanks, number_of_ranks_does_not_change_implicit_steps) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_group_ranks

@@ -11,7 +11,7 @@
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_inelastic_projection {
 namespace {
 
 /// Points in a box with a smooth floor and a rough wall on the left.
@@ -154,4 +154,4 @@ TEST(InelasticProjection, does_not_depend_on_the_step) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_inelastic_projection

@@ -7,7 +7,7 @@
 
 #include "mpm_solver/contact/seams.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_joint_surfaces {
 namespace {
 
 constexpr double tolerance = 0.02;
@@ -133,4 +133,4 @@ TEST(JointSurfaces, of_a_box_on_a_floor) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_joint_surfaces

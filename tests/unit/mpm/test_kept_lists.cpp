@@ -14,7 +14,7 @@
 #include "mpm_solver/contact/thin_pairs.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_kept_lists {
 namespace {
 
 using mpm::ContactSettings;
@@ -86,6 +86,7 @@ void check_lists(bool with_large) {
   int kept = 0;
   for (int step = 0; step < 12; ++step) {
     search.begin_step(simplices, vertices, 0.1);
+    search.make_ready();
     for (int k = 0; k < 200; ++k) {
       const Vector<dim> x = 0.5 * (random.vector<dim>() + Vector<dim>::Ones());
       const double within = search.reach() * (1 + random());
@@ -467,4 +468,4 @@ TEST(kept_lists, a_contact_made_anew_gives_the_same_bits) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_kept_lists

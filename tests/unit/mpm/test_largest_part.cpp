@@ -8,7 +8,7 @@
 
 #include "mpm_solver/step/largest_part.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_largest_part {
 namespace {
 
 using mpm::MassValue;
@@ -67,4 +67,4 @@ TEST(LargestPart, a_stray_value_does_not_matter) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_largest_part

@@ -6,7 +6,7 @@
 #include "tests/support/convergence_rate.hpp"
 #include "tests/unit/mpm/pushed_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_ledger {
 namespace {
 
 const Json tight_newton = {{"residual_tolerance", 1e-12}, {"increment_tolerance", 1e-12}};
@@ -313,4 +313,4 @@ TEST(Ledger, velocity_takes_the_mean_of_old_and_new_acceleration) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_ledger

@@ -6,7 +6,7 @@
 
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_ledger_levels {
 namespace {
 
 const Json tight_newton = {{"residual_tolerance", 1e-13}, {"increment_tolerance", 1e-13}};
@@ -135,4 +135,4 @@ TEST(LedgerLevels, schemes_have_no_part_in_phases_without_inertia) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_ledger_levels

@@ -7,7 +7,7 @@
 
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_loose_soil {
 namespace {
 
 Json sand(double friction_angle, double young_modulus, double density) {
@@ -125,4 +125,4 @@ TEST(LooseSoil, takes_its_weight_on_a_slope_from_the_unstressed_state) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_loose_soil

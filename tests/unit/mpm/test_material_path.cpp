@@ -9,7 +9,7 @@
 #include "mpm_solver/stress/internal_forces.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_material_path {
 namespace {
 
 constexpr double lambda = 2e4, mu = 1e4, friction_angle = 0.6, dilation_angle = 0.1;
@@ -165,4 +165,4 @@ TEST(MaterialPath, elastic_states_stay) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_material_path

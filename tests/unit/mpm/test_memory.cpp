@@ -5,7 +5,7 @@
 
 #include "tests/unit/mpm/collapse.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_memory {
 namespace {
 
 std::size_t bytes_of_a_point(const mpm::MaterialPoints<2>& points) {
@@ -20,8 +20,8 @@ std::size_t bytes_of_a_point(const mpm::MaterialPoints<2>& points) {
 TEST(Memory, fields_of_the_summary_are_those_of_all_ranks) {
   const Json json = collapse_scene({.basis = "gimp"});
   const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
-  run_steps(*shared, 1, 4);
-  run_steps(*alone, 1, 4);
+  run_collapse(*shared, 1, 4);
+  run_collapse(*alone, 1, 4);
   const Json one = alone->summary().at("memory"), all = shared->summary().at("memory");
   const std::size_t num_points = alone->points().m.size();
   ASSERT_EQ(num_points, 240u);
@@ -45,7 +45,7 @@ TEST(Memory, a_factor_without_fill_is_as_large_as_the_stiffness) {
   Json json = collapse_scene({.basis = "gimp"});
   json["linear_solver"] = {{"method", "bicgstab"}, {"preconditioner", "ilu"}};
   const auto solver = mpm_solver<2>(json, MPI_COMM_SELF);
-  run_steps(*solver, 1, 2);
+  run_collapse(*solver, 1, 2);
   const Json memory = solver->summary().at("memory");
   EXPECT_EQ(memory.at("preconditioner"), memory.at("stiffness"));
 }
@@ -61,7 +61,7 @@ double bytes_of_collapse(int times) {
   json["grid"] = box({0, 0}, {2.4 * times, 1.2 * times}, {12 * times, 6 * times}, "quad4");
   const std::size_t before = bytes_in_use();
   const auto solver = mpm_solver<2>(json);
-  run_steps(*solver, 1, 2);
+  run_collapse(*solver, 1, 2);
   return static_cast<double>(bytes_in_use()) - static_cast<double>(before);
 }
 
@@ -73,15 +73,15 @@ TEST(Memory, cells_without_soil_take_none) {
   EXPECT_LT(bytes_of_collapse(times) - small, cells);  // a mesh would take 40 for each
 }
 
-/// Memory that only a step needs is given up while others want memory; nothing else changes by it.
+/// Memory that only a step needs is released while others want memory; nothing else changes by it.
 TEST(Memory, a_frame_or_a_saved_state_between_steps_changes_no_bit) {
   Json json = collapse_scene({.basis = "gimp", .locking = "fbar"});
   json["linear_solver"] = {{"method", "bicgstab"},
                            {"preconditioner", "ilu"}};  // MUMPS adds in any order
   const auto straight = mpm_solver<2>(json), interrupted = mpm_solver<2>(json);
   for (int step = 1; step <= 6; ++step) {
-    run_steps(*straight, step, 1);
-    run_steps(*interrupted, step, 1);
+    run_collapse(*straight, step, step);
+    run_collapse(*interrupted, step, step);
     if (step % 2 == 0) {
       interrupted->save_state();
     } else {
@@ -96,4 +96,4 @@ TEST(Memory, a_frame_or_a_saved_state_between_steps_changes_no_bit) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_memory

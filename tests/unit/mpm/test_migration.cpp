@@ -4,15 +4,15 @@
 
 #include "tests/unit/mpm/collapse.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_migration {
 namespace {
 
 /// Take equal steps on all ranks together and on each rank alone.
 void check_scene(const Json& json, int steps, double tolerance) {
   const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
   expect_same_points<2>(shared->points(), alone->points(), 0);
-  run_steps(*shared, 1, steps);
-  run_steps(*alone, 1, steps);
+  run_collapse(*shared, 1, steps);
+  run_collapse(*alone, 1, steps);
   expect_same_points<2>(shared->points(), alone->points(), tolerance);
   expect_same_probes(*shared, *alone, 1e3 * tolerance);
   const Json summary = shared->summary();
@@ -58,8 +58,8 @@ TEST(Migration, a_collapse_in_space_is_the_same_on_any_number_of_ranks) {
                         {body("soil", box({0, 0.2, 0}, {0.8, 0.6, 0.4}, {4, 2, 2}, cells),
                               cells == std::string("hex8") ? 8 : 4, material, {3, 0, 0})}}};
     const auto shared = mpm_solver<3>(json), alone = mpm_solver<3>(json, MPI_COMM_SELF);
-    run_steps(*shared, 1, 20);
-    run_steps(*alone, 1, 20);
+    run_collapse(*shared, 1, 20);
+    run_collapse(*alone, 1, 20);
     expect_same_points<3>(shared->points(), alone->points(), 1e-8);
     if (size() > 1) {
       EXPECT_GT(shared->summary().at("ranks").at("moved_points"), 10);
@@ -77,7 +77,7 @@ TEST(Migration, contact_by_facets_goes_with_the_points) {
 /// A cell's points are on one rank, ordered by id, and every id is on one rank.
 TEST(Migration, points_lie_on_the_rank_of_their_cell) {
   const auto solver = mpm_solver<2>(collapse_scene({}));
-  run_steps(*solver, 1, 30);
+  run_collapse(*solver, 1, 30);
   const auto& points = solver->points();
   EXPECT_TRUE(std::is_sorted(points.id.begin(), points.id.end()));
   EXPECT_EQ(points.body_starts.back(), points.size());
@@ -99,7 +99,7 @@ TEST(Migration, moved_points_keep_all_fields) {
   Json json = collapse_scene({.basis = "gimp"});
   json["transfer"] = {{"method", "tpic"}};
   const auto alone = mpm_solver<2>(json, MPI_COMM_SELF);
-  run_steps(*alone, 1, 3);
+  run_collapse(*alone, 1, 3);
   auto points = rank() == 0 ? alone->points() : mpm::MaterialPoints<2>();
   points.body_ids = alone->points().body_ids;
   points.body_starts.resize(3, 0);
@@ -131,8 +131,8 @@ TEST(Migration, ranks_may_be_empty) {
       double empty = shared->points().size() == 0 ? 1 : 0;
       MPI_Allreduce(MPI_IN_PLACE, &empty, 1, MPI_DOUBLE, MPI_SUM, comm());
       EXPECT_EQ(empty, size() - 1);
-      run_steps(*shared, 1, 20);
-      run_steps(*alone, 1, 20);
+      run_collapse(*shared, 1, 20);
+      run_collapse(*alone, 1, 20);
       expect_same_points<2>(shared->points(), alone->points(), 1e-8);
       expect_same_probes(*shared, *alone, 1e-6);
     }
@@ -149,8 +149,8 @@ TEST(Migration, space_is_parted_anew_when_a_rank_has_too_many_points) {
   json["bodies"][1]["mesh"] = box({0, 0.6}, {0.4, 1.0}, {4, 4}, "quad4");
   json["bodies"][1]["velocity"] = {25, 0};
   const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
-  run_steps(*shared, 1, 18);
-  run_steps(*alone, 1, 18);
+  run_collapse(*shared, 1, 18);
+  run_collapse(*alone, 1, 18);
   expect_same_points<2>(shared->points(), alone->points(), 1e-8);
   if (size() == 1) return;
   const Json ranks = shared->summary().at("ranks");
@@ -159,4 +159,4 @@ TEST(Migration, space_is_parted_anew_when_a_rank_has_too_many_points) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_migration

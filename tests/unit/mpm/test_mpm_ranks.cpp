@@ -3,7 +3,7 @@
 
 #include "tests/unit/mpm/pushed_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_mpm_ranks {
 namespace {
 
 struct RankCase {
@@ -106,4 +106,4 @@ TEST(MpmRanks, number_of_ranks_does_not_change_explicit_steps) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_mpm_ranks

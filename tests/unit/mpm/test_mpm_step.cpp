@@ -8,7 +8,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/pushed_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_mpm_step {
 namespace {
 
 /// A block of 1 m that flies freely through a grid of 4 m.
@@ -355,4 +355,4 @@ TEST(MpmStep, spinning_block_keeps_its_spin_with_tpic) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_mpm_step

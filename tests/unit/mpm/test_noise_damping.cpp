@@ -5,7 +5,7 @@
 
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_noise_damping {
 namespace {
 
 constexpr double fast = 1e9;  // [m/s]: beside it nothing flows
@@ -187,4 +187,4 @@ TEST(NoiseDamping, spares_what_flows) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_noise_damping

@@ -11,7 +11,7 @@
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_nonlocal_slip {
 namespace {
 
 /// kbar of a point from its slip.
@@ -226,4 +226,4 @@ TEST(NonlocalSlip, settings_that_cannot_be_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_nonlocal_slip

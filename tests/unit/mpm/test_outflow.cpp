@@ -6,7 +6,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_outflow {
 namespace {
 
 /// A heavy elastic block that slides on a smooth bed, settles under its weight as it goes, and
@@ -265,4 +265,4 @@ TEST(Outflow, bad_input) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_outflow

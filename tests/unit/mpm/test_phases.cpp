@@ -4,7 +4,7 @@
 #include "common/run/time_steps.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_phases {
 namespace {
 
 Json soil_behind_a_gate() {
@@ -125,4 +125,4 @@ TEST(Phases, repeated_steps_give_the_same_bits) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_phases

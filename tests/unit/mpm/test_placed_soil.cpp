@@ -8,7 +8,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_placed_soil {
 namespace {
 
 constexpr double dt = 1.0 / 1024;
@@ -129,7 +129,7 @@ TEST(PlacedSoil, is_the_soil_itself_where_nothing_begins_displaced) {
 TEST(PlacedSoil, soil_inside_a_structure_that_begins_there_is_refused) {
   Placed<2> placed = placed_soil<2>(above_floor_2d(0.5, "facets"));
   expect_error<ConfigError>([&] { placed.set_start(raised(placed, 0.03125)); },
-                            {"floor", "inside", "by 0.0312 m", "displaced from where they are",
+                            {"floor", "inside", "by 0.0312 m", "displaced from their place",
                              "\"floor\" by up to 0.0312 m"});
 }
 
@@ -237,10 +237,10 @@ TEST(PlacedSoil, soil_at_rest_presses_on_a_floor_that_begins_a_little_displaced)
 // Nothing bears soil that was laid on a floor which begins below it.
 TEST(PlacedSoil, soil_at_rest_on_a_floor_that_begins_elsewhere_is_refused) {
   Placed<2> placed = placed_soil<2>(resting(0.5));
-  expect_error<ConfigError>([&] { placed.set_start(raised(placed, -0.0625)); },
-                            {"no equilibrium of the soil", "displaced from where they are",
-                             "\"floor\" by up to 0.0625 m"});
+  expect_error<ConfigError>(
+      [&] { placed.set_start(raised(placed, -0.0625)); },
+      {"no equilibrium of the soil", "displaced from their place", "\"floor\" by up to 0.0625 m"});
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_placed_soil

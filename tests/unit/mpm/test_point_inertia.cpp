@@ -11,7 +11,7 @@
 #include "mpm_solver/step/stable_step.hpp"
 #include "tests/support/mpi_main.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_point_inertia {
 namespace {
 
 using mpm::BackgroundGrid;
@@ -191,4 +191,4 @@ TEST(StableStep, effective_size_of_cells) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_point_inertia

@@ -13,7 +13,7 @@
 #include "tests/support/check_tangent.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_point_laws {
 namespace {
 
 using Eigen::VectorXd;
@@ -186,4 +186,4 @@ TEST(PointLaws, shared_volumes_have_the_stress_of_each_law) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_point_laws

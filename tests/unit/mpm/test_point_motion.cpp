@@ -5,7 +5,7 @@
 
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_point_motion {
 namespace {
 
 constexpr double dt = 0.1;  // [s]
@@ -75,4 +75,4 @@ TEST(SurplusMotion, follows_the_nodes_that_move_otherwise) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_point_motion

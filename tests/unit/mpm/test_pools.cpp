@@ -9,7 +9,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/saturated_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_pools {
 namespace {
 
 constexpr double g = 9.81, gamma_w = water_density * g;
@@ -135,6 +135,30 @@ TEST(Pools, wall_beside_soil_and_water) {
   }
 }
 
+/// The water presses on a surface of a structure before soil reaches it.
+TEST(Pools, surface_that_soil_has_not_reached) {
+  const double level = 1.25, x = 1.7;
+  for (const bool explicit_steps : {false, true}) {
+    Json json = flooded_box(level, "dynamic");
+    json["grid"] = box({0, 0}, {2, 1.5}, {8, 6}, "quad4");
+    json["walls"] = {wall("bottom", "slip"), wall("left", "slip")};
+    json["interfaces"] = {
+        {{"name", "wall"}, {"surface", {{"polyline", {{x, 1.5}, {x, 0}}}, {"spacing", 0.05}}}}};
+    if (explicit_steps) {
+      json["time_integration"] = {{"scheme", "explicit"}};
+      json.erase("newton");
+    }
+    const auto solver = mpm_solver<2>(json);
+    InterfaceValues sent;
+    const StepReport report = solver->solve_step({1, 0, 0, 1e-3}, {}, sent);
+    EXPECT_TRUE(report.interface_active);
+    double force = 0;
+    for (std::size_t i = 0; i < sent.at("wall").size(); i += 2) force += sent.at("wall")[i];
+    const double thrust = gamma_w * level * level / 2;
+    EXPECT_NEAR(force, thrust, 1e-3 * thrust) << explicit_steps;
+  }
+}
+
 /// A level that rises and falls slowly leaves the grains as they were.
 TEST(Pools, level_rises_and_falls) {
   Json json = flooded_box(1.25);
@@ -151,6 +175,23 @@ TEST(Pools, level_rises_and_falls) {
   EXPECT_LT(largest_motion(*solver), 1e-4 / 4);
   const double energy = probe(*solver, "energy_balance");
   EXPECT_NEAR(energy, 0, 1e-3 * std::abs(probe(*solver, "boundary_work")) + 1e-9);
+}
+
+/// Sand that loses its wall falls in the same way under any depth of water.
+TEST(Pools, motion_does_not_depend_on_the_level) {
+  std::vector<double> kinetic;
+  for (const double level : {1.25, 50.0}) {
+    Json json = flooded_box(level, "dynamic");
+    json["grid"] = box({0, 0}, {2, 1.25}, {8, 5}, "quad4");
+    json["walls"] = {wall("bottom", "fixed"), wall("left", "slip")};
+    json["bodies"][0]["material"] = saturated_sand();
+    json["bodies"][0]["water"]["permeability"] = 1;
+    const auto solver = mpm_solver<2>(json);
+    run_steps(*solver, 5e-3, 40);
+    kinetic.push_back(probe(*solver, "kinetic_energy"));
+    EXPECT_GT(kinetic.back(), 20);
+  }
+  EXPECT_NEAR(kinetic[1], kinetic[0], 0.01 * kinetic[0]);
 }
 
 /// Soil free of stress that is laid under water bears its buoyant weight in the end, whatever the
@@ -268,4 +309,4 @@ TEST(Pools, settings_that_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_pools

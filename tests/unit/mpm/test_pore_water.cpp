@@ -12,7 +12,7 @@
 #include "tests/support/check_tangent.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_pore_water {
 namespace {
 
 using Eigen::VectorXd;
@@ -229,4 +229,4 @@ TEST(PoreWater, shared_pressure) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_pore_water

@@ -5,7 +5,7 @@
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_quasi_static {
 namespace {
 
 /// Soil between smooth walls on a smooth base, one cell of free grid above it.
@@ -166,4 +166,4 @@ TEST(QuasiStatic, steps_with_joined_nodes) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_quasi_static

@@ -7,7 +7,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/saturated_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_rain {
 namespace {
 
 constexpr double rate = 1e-7, pi = 3.14159265358979324;
@@ -102,4 +102,4 @@ TEST(Rain, has_one_rate_that_is_possible) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_rain

@@ -7,7 +7,7 @@
 
 #include "mpm_solver/parameters/random_field.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_random_field {
 namespace {
 
 using mpm::CountedRandom;
@@ -145,4 +145,4 @@ TEST(RandomField, lognormal_values) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_random_field

@@ -5,7 +5,7 @@
 
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_rank_advice {
 namespace {
 
 /// A block of 20 by 16 by `layers` cells with 8 points each.
@@ -87,4 +87,4 @@ TEST(RankAdvice, thin_walls_do_not_keep_one) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_rank_advice

@@ -10,7 +10,7 @@
 #include "solver_program/ranked_state.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_rest_on_facets {
 namespace {
 
 constexpr double density = 2000, g = 10, k0 = 0.5;
@@ -371,4 +371,4 @@ TEST(RestOnFacets, only_stressed_soil_that_touches) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_rest_on_facets

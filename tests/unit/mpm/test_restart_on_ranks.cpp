@@ -8,7 +8,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/collapse.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_restart_on_ranks {
 namespace {
 
 constexpr int half = 20, all = 40;
@@ -22,12 +22,12 @@ TEST(RestartOnRanks, the_same_number_gives_the_same_bits) {
     json["linear_solver"] = {{"method", slides ? "gmres" : "cg"}};
     const auto straight = mpm_solver<2>(json), first = mpm_solver<2>(json),
                second = mpm_solver<2>(json);
-    run_steps(*straight, 1, all);
-    run_steps(*first, 1, half);
+    run_collapse(*straight, 1, all);
+    run_collapse(*first, 1, half);
     const State saved = gather_state(comm(), first->save_state());
     load_gathered(comm(), saved, *second);
     EXPECT_TRUE(same_bits<2>(second->points(), first->points()));
-    run_steps(*second, half + 1, all);
+    run_collapse(*second, half + 1, all);
     EXPECT_TRUE(same_bits<2>(second->points(), straight->points()));
     EXPECT_EQ(second->probes(), straight->probes());
     if (size() > 1) {
@@ -42,23 +42,23 @@ TEST(RestartOnRanks, another_number_gives_the_same_values) {
   for (const bool slides : {false, true}) {
     const Json json = slides ? sliding_scene({}) : collapse_scene({});
     const auto alone = mpm_solver<2>(json, MPI_COMM_SELF), shared = mpm_solver<2>(json);
-    run_steps(*alone, 1, half);
-    run_steps(*shared, 1, half);
+    run_collapse(*alone, 1, half);
+    run_collapse(*shared, 1, half);
     const State from_alone = gather_state(MPI_COMM_SELF, alone->save_state());
     State from_shared = gather_state(comm(), shared->save_state());
 
     const auto spread = mpm_solver<2>(json);
     load_gathered(comm(), from_alone, *spread);
     expect_same_points<2>(spread->points(), alone->points(), 0);
-    run_steps(*alone, half + 1, all);
-    run_steps(*spread, half + 1, all);
+    run_collapse(*alone, half + 1, all);
+    run_collapse(*spread, half + 1, all);
     expect_same_points<2>(spread->points(), alone->points(), 1e-8);
     expect_same_probes(*spread, *alone, 1e-5);
 
     if (rank() == 0) {
       const auto joined = mpm_solver<2>(json, MPI_COMM_SELF);
       load_gathered(MPI_COMM_SELF, from_shared, *joined);
-      run_steps(*joined, half + 1, all);
+      run_collapse(*joined, half + 1, all);
       const auto &a = joined->points(), &b = alone->points();
       ASSERT_EQ(a.id, b.id);
       for (std::int32_t p = 0; p < a.size(); ++p) {
@@ -85,7 +85,7 @@ void expect_same_run(const Json& json, const mpm::MpmSolver<2>& straight, int ra
   const std::string path = testing::TempDir() + "gabion_restart_on_ranks.h5";
   if (MPI_Comm some = first_ranks(ranks_before); some != MPI_COMM_NULL) {
     const auto first = mpm_solver<2>(json, some);
-    run_steps(*first, 1, half);
+    run_collapse(*first, 1, half);
     write_ranked_state(some, path, first->save_state());
     MPI_Comm_free(&some);
   }
@@ -93,7 +93,7 @@ void expect_same_run(const Json& json, const mpm::MpmSolver<2>& straight, int ra
   if (MPI_Comm some = first_ranks(ranks_after); some != MPI_COMM_NULL) {
     const auto second = mpm_solver<2>(json, some);
     load_ranked_state(some, path, *second);
-    run_steps(*second, half + 1, all);
+    run_collapse(*second, half + 1, all);
     const auto &a = second->points(), &b = straight.points();
     double count = static_cast<double>(a.size());
     sum_over_ranks(some, std::span<double>(&count, 1));
@@ -115,7 +115,7 @@ TEST(RestartOnRanks, a_file_of_other_ranks_gives_the_same_values) {
   for (const bool slides : {false, true}) {
     const Json json = slides ? sliding_scene({}) : collapse_scene({});
     const auto straight = mpm_solver<2>(json, MPI_COMM_SELF);
-    run_steps(*straight, 1, all);
+    run_collapse(*straight, 1, all);
     expect_same_run(json, *straight, size() - 1, size());
     expect_same_run(json, *straight, size(), 1);
   }
@@ -180,4 +180,4 @@ TEST(RestartOnRanks, a_state_of_other_points_is_refused_on_all_ranks) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_restart_on_ranks

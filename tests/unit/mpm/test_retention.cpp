@@ -9,7 +9,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/saturated_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_retention {
 namespace {
 
 mpm::PoreWater water_that_gives_way(double limit) {
@@ -93,4 +93,4 @@ TEST(Retention, wrong_limits_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_retention

@@ -8,7 +8,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_rigid_walls {
 namespace {
 
 template <int dim>
@@ -39,6 +39,19 @@ TEST(RigidMotion, rotation_about_a_centre_that_moves) {
   EXPECT_NEAR(w[0], 0, 1e-15);
   EXPECT_NEAR(w[1], -1, 1e-15);
   EXPECT_NEAR(w[2], 1, 1e-15);
+}
+
+TEST(RigidMotion, tables_that_do_not_ascend_are_refused_with_their_row) {
+  const auto refused = [](const Json& rows, std::string_view row, std::string_view found) {
+    expect_error<ConfigError>(
+        [&] {
+          read<2>({{"table", rows}});
+        },
+        {row, found, "allowed: times that start with 0 and ascend"});
+  };
+  refused({{0.5, 0, 0}, {1, 2, 0}}, "/table/0:", "found time 0.5,");
+  refused({{0, 0, 0}, {1, 2, 0}, {1, 3, 0}}, "/table/2:", "found time 1 after 1,");
+  refused({{0, 0, 0}, {2, 2, 0}, {1, 3, 0}, {3, 3, 0}}, "/table/2:", "found time 1 after 2,");
 }
 
 /// Soil on a fixed floor and a wall on its right.
@@ -74,9 +87,9 @@ TEST(RigidWalls, bad_input) {
   expect_refused(with({{"velocity", {1, 0}}, {"table", {{0, 0, 0}}}}),
                  {"/rigid_walls/0/motion/table", "one of"});
   expect_refused(with({{"table", {{1, 0, 0}}}}),
-                 {"/rigid_walls/0/motion/table", "1 s", "start with 0"});
+                 {"/rigid_walls/0/motion/table/0", "found time 1,", "start with 0"});
   expect_refused(with({{"table", {{0, 0, 0}, {2, 1, 0}, {2, 1, 1}}}}),
-                 {"/rigid_walls/0/motion/table", "2 s", "ascend"});
+                 {"/rigid_walls/0/motion/table/2", "found time 2 after 2", "ascend"});
   expect_refused(with({{"table", {{0, 1, 0}}}}), {"/rigid_walls/0/motion/table", "at the time 0"});
   expect_refused(with({{"table", Json::array()}}), {"/rigid_walls/0/motion/table", "one row"});
   expect_refused(with({{"rotation", {{"centre", {0, 0}}}}}),
@@ -181,8 +194,8 @@ TEST(RigidWalls, a_block_at_rest_comes_to_lie_on_one) {
   }
 }
 
-/// Sand that collapses on a floor and along a side to which it sticks: it comes off the side, and
-/// without a bound on the tangential traction there no step of any size would have a solution.
+/// Sand that collapses on a floor and along a side to which it sticks: it separates from the side,
+/// and without a bound on the tangential traction there no step of any size would have a solution.
 TEST(RigidWalls, sand_comes_off_walls_without_friction_coefficient) {
   constexpr double h = 0.005;
   Json sand = elastic_soil("mohr_coulomb", 840e3, 0.3, 2650);
@@ -209,4 +222,4 @@ TEST(RigidWalls, sand_comes_off_walls_without_friction_coefficient) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_rigid_walls

@@ -10,7 +10,7 @@
 #include "solver_program/ranked_state.hpp"
 #include "tests/unit/mpm/saturated_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_saturated_soil {
 namespace {
 
 constexpr double g = 9.81, degree = std::numbers::pi / 180;
@@ -336,4 +336,4 @@ TEST(SaturatedSoil, frames_have_effective_stress_and_pore_pressure) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_saturated_soil

@@ -8,7 +8,7 @@
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_seams {
 namespace {
 
 using mpm::ContactSettings;
@@ -362,4 +362,4 @@ TEST(Seams, sand_slides_over_a_structure_flush_in_a_floor) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_seams

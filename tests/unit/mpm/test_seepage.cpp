@@ -7,7 +7,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/saturated_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_seepage {
 namespace {
 
 constexpr double pi = 3.14159265358979324;
@@ -231,4 +231,4 @@ TEST(Seepage, settings_that_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_seepage

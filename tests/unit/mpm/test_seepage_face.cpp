@@ -8,7 +8,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/saturated_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_seepage_face {
 namespace {
 
 constexpr double pi = 3.14159265358979324;
@@ -325,4 +325,4 @@ TEST(SeepageFace, settings_that_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_seepage_face

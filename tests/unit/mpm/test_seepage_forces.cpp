@@ -8,7 +8,7 @@
 #include "tests/support/check_tangent.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_seepage_forces {
 namespace {
 
 constexpr int seepage_cells = 2;
@@ -273,4 +273,4 @@ TEST(SeepageForces, water_at_rest_has_no_flux) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_seepage_forces

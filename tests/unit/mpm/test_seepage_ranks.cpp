@@ -10,7 +10,7 @@
 #include "tests/unit/mpm/collapse.hpp"
 #include "tests/unit/mpm/saturated_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_seepage_ranks {
 namespace {
 
 constexpr int half = 8, all = 16;
@@ -83,8 +83,8 @@ TEST(SeepageRanks, number_of_ranks_does_not_change_the_result) {
     SCOPED_TRACE(std::string(basis) + " " + law);
     const Json json = wet_collapse(basis, law);
     const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
-    run_steps(*shared, 1, all);
-    run_steps(*alone, 1, all);
+    run_collapse(*shared, 1, all);
+    run_collapse(*alone, 1, all);
     expect_same_water(*shared, *alone, 1e-7);
     expect_same_outflow(*shared, *alone);
     if (size() > 1) {
@@ -100,8 +100,8 @@ TEST(SeepageRanks, start_under_a_water_table_is_the_same) {
   json["bodies"][0]["water"]["permeability"] = 1e-4;
   json["bodies"][0]["initial_stress"] = at_rest(1);
   const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
-  run_steps(*shared, 1, 3);
-  run_steps(*alone, 1, 3);
+  run_collapse(*shared, 1, 3);
+  run_collapse(*alone, 1, 3);
   expect_same_water(*shared, *alone, 1e-9);
   for (const auto& u : shared->points().u) EXPECT_LT(u.norm(), 1e-6 / 4);
 }
@@ -118,8 +118,8 @@ TEST(SeepageRanks, pools_are_the_same) {
                           {"surface", {{"polyline", {{1, 1.4}, {1, 0}}}, {"spacing", 0.1}}},
                           {"friction", 0.3}}};
   const auto shared = mpm_solver<2>(json), alone = mpm_solver<2>(json, MPI_COMM_SELF);
-  run_steps(*shared, 1, all);
-  run_steps(*alone, 1, all);
+  run_collapse(*shared, 1, all);
+  run_collapse(*alone, 1, all);
   expect_same_water(*shared, *alone, 1e-8);
   for (const char* name : {"step.fx", "step.mz", "wall.bottom.fy", "water_out", "boundary_work",
                            "momentum_error_x", "energy_balance"}) {
@@ -133,20 +133,20 @@ TEST(SeepageRanks, pools_are_the_same) {
 TEST(SeepageRanks, run_goes_on_with_another_number) {
   const Json json = wet_collapse("gimp");
   const auto alone = mpm_solver<2>(json, MPI_COMM_SELF), shared = mpm_solver<2>(json);
-  run_steps(*alone, 1, half);
-  run_steps(*shared, 1, half);
+  run_collapse(*alone, 1, half);
+  run_collapse(*shared, 1, half);
   const State from_alone = gather_state(MPI_COMM_SELF, alone->save_state());
   State from_shared = gather_state(comm(), shared->save_state());
-  run_steps(*alone, half + 1, all);
+  run_collapse(*alone, half + 1, all);
   const auto spread = mpm_solver<2>(json);
   load_gathered(comm(), from_alone, *spread);
-  run_steps(*spread, half + 1, all);
+  run_collapse(*spread, half + 1, all);
   expect_same_water(*spread, *alone, 1e-7);
   expect_same_outflow(*spread, *alone);
   if (rank() != 0) return;
   const auto joined = mpm_solver<2>(json, MPI_COMM_SELF);
   load_gathered(MPI_COMM_SELF, from_shared, *joined);
-  run_steps(*joined, half + 1, all);
+  run_collapse(*joined, half + 1, all);
   expect_same_outflow(*joined, *alone);
   const auto &a = joined->points(), &b = alone->points();
   ASSERT_EQ(a.id, b.id);
@@ -154,4 +154,4 @@ TEST(SeepageRanks, run_goes_on_with_another_number) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_seepage_ranks

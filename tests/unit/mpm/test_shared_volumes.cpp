@@ -10,7 +10,7 @@
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_shared_volumes {
 namespace {
 
 constexpr double lambda = 4e3, mu = 3e3;
@@ -233,4 +233,4 @@ TEST(SharedVolumes, a_point_outside_the_grid_is_left_alone) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_shared_volumes

@@ -6,7 +6,7 @@
 #include "mpm_solver/contact/shortest_exit.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_shortest_exit {
 namespace {
 
 template <int dim>
@@ -73,4 +73,4 @@ TEST(ShortestExit, is_the_shortest_way_out_of_all) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_shortest_exit

@@ -7,7 +7,7 @@
 
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_side_fields {
 namespace {
 
 struct ThinWall {
@@ -269,4 +269,4 @@ TEST(SideFields, a_light_node_on_a_wall_of_the_grid_joins_along_it) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_side_fields

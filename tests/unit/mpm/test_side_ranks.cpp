@@ -5,7 +5,7 @@
 
 #include "tests/unit/mpm/steps_on_ranks.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_side_ranks {
 namespace {
 
 constexpr double h = 0.1;
@@ -141,4 +141,4 @@ TEST(SideRanks, in_space) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_side_ranks

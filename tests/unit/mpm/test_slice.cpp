@@ -3,7 +3,7 @@
 
 #include "tests/unit/mpm/pushed_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_slice {
 namespace {
 
 constexpr int cells = 4;
@@ -118,4 +118,4 @@ TEST(Slice, of_one_cell_is_the_plane_on_smooth_functions) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_slice

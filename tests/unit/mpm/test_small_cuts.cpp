@@ -7,7 +7,7 @@
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_small_cuts {
 namespace {
 
 constexpr double E = 1000, factor = 0.05;
@@ -242,4 +242,4 @@ TEST(SmallCuts, every_method_conserves_momentum_and_makes_no_energy) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_small_cuts

@@ -10,7 +10,7 @@
 #include "tests/support/gmsh_text.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_soil_checks {
 namespace {
 
 const Json soil = elastic_soil("hencky_elastic", 1e6, 0.3, 1000);
@@ -112,7 +112,7 @@ TEST(SoilAtRest, units_that_do_not_fit_are_said) {
   expect_said(json,
               {"/bodies/0/material/young_modulus: found 1.0 Pa, softer than any soil",
                "in MPa it would be 1e+06 Pa", "/bodies/1/material/young_modulus: found 30.0 Pa",
-               "/rigid_walls/0/friction: found 30.0, an angle", "waves of 0.0367 m/s",
+               "/rigid_walls/0/friction: found 30.0, an angle", "wave speed 0.0367 m/s",
                "under its own weight, 3.64e+03 of its depth of 1 m"});
 }
 
@@ -149,7 +149,7 @@ TEST(SoilAtRest, free_of_stress_under_its_weight) {
   json["gravity"] = {5, -9.81};
   // 4 depth / wave speed, the depth of a square along its tilted gravity.
   const double depth = std::hypot(5, 9.81) / (5 + 9.81), period = 4 * depth / 36.69;
-  expect_parts(text_of(json), {"once: a, b.", fmt::format("with {:.2g} s a period", period),
+  expect_parts(text_of(json), {"once: a, b.", fmt::format("with a period of {:.2g} s", period),
                                "initial_stress", "quasi_static", "gravity_ramp"});
   EXPECT_EQ(said_of(json).find("warning"), std::string::npos);
   json["bodies"][0]["velocity"] = {1, 0};
@@ -180,7 +180,7 @@ TEST(SoilAtRest, an_interface_that_gives_while_soil_takes_its_weight) {
   };
   // 10 kPa, depth h sqrt(p / (10 M)) with M = 135 MPa: 0.34 mm; the soil gives 0.148 mm.
   expect_parts(text_of(1e8, Json::object()),
-               {"at gate", "at 1e+04 Pa", "\"soil\"", "gives by 0.00034 m", "over 2 m", "some 86 %",
+               {"at gate", "at 1e+04 Pa", "\"soil\"", "yields by 0.00034 m", "over 2 m", "some 86 %",
                 "resting_factor", "initial_stress"});
   // Under inclined gravity the 2 m look 1.41 m long, the mean depth is 0.94 m.
   expect_parts(text_of(1e8, {{"gravity", {7.0710678118654755, -7.0710678118654755}}}),
@@ -281,4 +281,4 @@ TEST(CutCells, quadrature_of_elastic_soil_at_rest_follows_how_it_fills_the_cells
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_soil_checks

@@ -7,7 +7,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/pushed_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_soil_step {
 namespace {
 
 constexpr double dt = 0.002;
@@ -81,4 +81,4 @@ TEST(SoilStep, explicit_steps_keep_the_pause_of_a_krylov_method) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_soil_step

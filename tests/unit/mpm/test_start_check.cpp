@@ -9,7 +9,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_start_check {
 namespace {
 
 /// Soil in [0.5, 1] x [0, 0.5] on a grid of cells of 0.25 m; a wall with the soil to its left.
@@ -325,4 +325,4 @@ TEST(StartCheck, a_wall_and_an_interface_of_one_name) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_start_check

@@ -8,7 +8,7 @@
 #include "mpm_solver/step_sizes/step_control.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_step_control {
 namespace {
 
 using mpm::DtLimit;
@@ -253,4 +253,4 @@ TEST(StepControl, steps_are_short_in_an_impact) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_step_control

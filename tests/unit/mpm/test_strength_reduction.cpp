@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "common/mechanics/materials/strength_reduction.hpp"
@@ -10,7 +11,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/strength_search.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_strength_reduction {
 namespace {
 
 constexpr double modulus = 1e9;
@@ -81,6 +82,29 @@ void expect_agreement(const Json& soil, double late) {
   fine["newton"] = {{"residual_tolerance", 1e-8}};
   add(fine);
   EXPECT_LT(low - high, 0.02);
+}
+
+/// A block that does not yield on a rough floor, under gravity turned by 20 degrees: it slides
+/// where the friction of the floor is tan 20, whatever its own strength.
+TEST(StrengthReduction, friction_of_walls_is_reduced_too) {
+  const double friction = 0.5, angle = 20 * std::numbers::pi / 180;
+  Json floor = {{"name", "floor"},
+                {"surface", {{"polyline", {{12, 1}, {0, 1}}}, {"spacing", 1}}},
+                {"friction", friction}};
+  const Json scene = {
+      {"dimension", 2},
+      {"analysis", "quasi_static"},
+      {"basis", "linear"},
+      {"grid", box({0, 0}, {12, 6}, {12, 6}, "quad4")},
+      {"gravity", {10 * std::sin(angle), -10 * std::cos(angle)}},
+      {"rigid_walls", {floor}},
+      {"bodies", {body("block", box({2, 1}, {8, 3}, {6, 2}, "quad4"), 4, clay(1e6))}},
+      {"phases", {{{"strength_reduction", search(1, 0.1, 0.005)}}}}};
+  const Json found = search_of_strength(scene);
+  ASSERT_EQ(found.at("verdict"), "failure") << found;
+  const double right = friction / std::tan(angle);
+  EXPECT_NEAR(found.at("equilibrium_with").get<double>(), right, 0.02 * right);
+  EXPECT_NEAR(found.at("none_with").get<double>(), right, 0.02 * right);
 }
 
 TEST(StrengthReduction, brackets_of_a_cut_in_clay_agree) {
@@ -203,4 +227,4 @@ TEST(StrengthReduction, failures_outside_of_a_search_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_strength_reduction

@@ -10,7 +10,7 @@
 #include "mpm_solver/contact/shortest_exit.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_surface_features {
 namespace {
 
 using mpm::ContactSurface;
@@ -394,4 +394,4 @@ TEST(SurfaceFeatures, the_hash_lists_only_what_is_near_given_places) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_surface_features

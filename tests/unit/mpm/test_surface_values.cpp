@@ -7,7 +7,7 @@
 #include "mpm_solver/grid/surface_values.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_surface_values {
 namespace {
 
 constexpr int cells = 6, per_cell = 2;
@@ -103,4 +103,4 @@ TEST(SurfaceValues, add_up_to_one_and_reproduce_the_place_in_any_direction) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_surface_values

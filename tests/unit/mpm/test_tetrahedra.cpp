@@ -7,7 +7,7 @@
 #include "tests/support/cut_steps.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_tetrahedra {
 namespace {
 
 constexpr double density = 2000, g = 10;
@@ -66,4 +66,4 @@ TEST(Tetrahedra, a_column_spreads_to_both_sides_alike) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_tetrahedra

@@ -5,7 +5,7 @@
 
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_tpic {
 namespace {
 
 constexpr double round_off = 1e-13;
@@ -131,4 +131,4 @@ TEST(Tpic, gradients_are_those_of_the_new_positions) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_tpic

@@ -3,7 +3,7 @@
 
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_transfer {
 namespace {
 
 constexpr double round_off = 1e-13;
@@ -225,4 +225,4 @@ TEST(MaterialPoints, every_field_loses_the_points_that_are_removed) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_transfer

@@ -8,7 +8,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_umat_soil {
 namespace {
 
 constexpr double lambda = 2e5, mu = 1e5, degree = 3.14159265358979323846 / 180;
@@ -148,4 +148,4 @@ TEST(UmatSoil, a_missing_library_is_named) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_umat_soil

@@ -9,7 +9,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/collapse.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_varying_soil {
 namespace {
 
 Json by_depth(const Json& rows, double below) {
@@ -48,8 +48,8 @@ Json varying_scene(const Collapse& soil) {
 
 void expect_same_run(const Json& a, const Json& b, int steps) {
   const auto constant = mpm_solver<2>(a), varying = mpm_solver<2>(b);
-  run_steps(*constant, 1, steps);
-  run_steps(*varying, 1, steps);
+  run_collapse(*constant, 1, steps);
+  run_collapse(*varying, 1, steps);
   mpm::MaterialPoints<2> points = varying->points();
   EXPECT_FALSE(points.parameters.empty() && points.size() > 0);
   points.parameters.clear();
@@ -116,8 +116,8 @@ TEST(VaryingSoil, layers_are_bodies) {
     one_scene["bodies"][0]["material"]["layers"] = {
         {{"below", 0.6}, {"cohesion", 500}, {"young_modulus", 4e5}}};
     const auto one = mpm_solver<2>(one_scene);
-    run_steps(*two, 1, 20);
-    run_steps(*one, 1, 20);
+    run_collapse(*two, 1, 20);
+    run_collapse(*one, 1, 20);
     const auto &a = one->points(), &b = two->points();
     ASSERT_EQ(a.size(), b.size());
     double largest = 0, yielded = 0;
@@ -153,7 +153,7 @@ TEST(VaryingSoil, column_of_layers_settles_by_the_integral) {
       {"walls", {wall("bottom", "slip"), wall("left", "slip"), wall("right", "slip")}},
       {"bodies", {body("soil", box({0, 0}, {1, 4}, {1, 4}, "quad4"), 4, material)}}};
   const auto solver = mpm_solver<2>(scene);
-  run_steps(*solver, 1, 1);
+  run_collapse(*solver, 1, 1);
   // u(y) = int_0^y rho g (4 - s) / E(s) ds at nodes, linear between them.
   const double at_nodes[] = {0, 3.5 / 5, 3.5 / 5 + 2.5 / 2, 3.5 / 5 + 4.0 / 2,
                              3.5 / 5 + 4.0 / 2 + 0.5};
@@ -172,8 +172,8 @@ TEST(VaryingSoil, restart_and_ranks) {
   for (const Collapse& soil : {Collapse{}, Collapse{.basis = "gimp", .locking = "fbar"}}) {
     const Json json = varying_scene(soil);
     const auto alone = mpm_solver<2>(json, MPI_COMM_SELF), shared = mpm_solver<2>(json);
-    run_steps(*alone, 1, all);
-    run_steps(*shared, 1, all);
+    run_collapse(*alone, 1, all);
+    run_collapse(*shared, 1, all);
     expect_same_points<2>(shared->points(), alone->points(), 1e-8);
     const auto &a = shared->points(), &b = alone->points();
     ASSERT_EQ(a.parameters.size(), a.x.size());
@@ -182,9 +182,9 @@ TEST(VaryingSoil, restart_and_ranks) {
     }
     if (size() > 1) continue;
     const auto first = mpm_solver<2>(json), second = mpm_solver<2>(json);
-    run_steps(*first, 1, half);
+    run_collapse(*first, 1, half);
     second->load_state(first->save_state());
-    run_steps(*second, half + 1, all);
+    run_collapse(*second, half + 1, all);
     EXPECT_TRUE(same_bits<2>(second->points(), alone->points()));
   }
 }
@@ -329,4 +329,4 @@ TEST(VaryingSoil, reduced_strength_of_layers) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_varying_soil

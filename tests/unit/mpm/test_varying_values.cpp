@@ -12,7 +12,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/mpm_scene.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_varying_values {
 namespace {
 
 /// A file of the tests with this content.
@@ -192,6 +192,24 @@ TEST(VaryingValues, box_field_of_a_scene) {
   expect_refused(material, {"wrong.h5", "dataset x", "2 after 2", "ascending"});
   material["young_modulus"] = {{"field", "none.h5"}};
   expect_refused(material, {"none.h5"});
+}
+
+TEST(VaryingValues, box_field_of_integers) {
+  const std::string path = testing::TempDir() + "gabion_varying_integers.h5";
+  Hdf5File out(path);
+  out.write("x", 1, std::vector<std::int32_t>{-1, 3});
+  out.write("y", 1, std::vector<std::int64_t>{0, 2});
+  out.write("values", 2, std::vector<std::int64_t>{10, 20, 30, 60});
+  out.finish();
+  const auto field = mpm::read_box_field<2>(path);
+  EXPECT_NEAR(field.at({0, 0.5}), 18.75, 1e-12);  // 0.75 (10 + 0.25 10) + 0.25 (30 + 0.25 30)
+  Hdf5File wrong(path);
+  wrong.write("x", 1, std::vector<double>{-1, 3});
+  wrong.write("y", 1, std::vector<double>{0, 2});
+  wrong.write_text("values", "10 20 30 60");
+  wrong.finish();
+  expect_error<ConfigError>([&] { mpm::read_box_field<2>(path); },
+                            {path, "dataset values: found the shape [], allowed: [2, 2]"});
 }
 
 Json random(double mean, double cov) {
@@ -383,4 +401,4 @@ TEST(VaryingValues, most_keys) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_varying_values

@@ -9,7 +9,7 @@
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_wall_pieces {
 namespace {
 
 constexpr double degree = M_PI / 180;
@@ -284,4 +284,4 @@ TEST(WallPieces, a_bent_wall_that_moves) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_wall_pieces

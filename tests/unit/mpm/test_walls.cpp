@@ -5,7 +5,7 @@
 #include "tests/unit/mpm/mpm_scene.hpp"
 #include "tests/unit/mpm/soil_patch.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_walls {
 namespace {
 
 Json moving_wall(const std::string& group, const std::string& condition,
@@ -186,4 +186,4 @@ TEST(MovingWall, contradictions_of_a_later_phase_are_refused_at_once) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_walls

@@ -5,7 +5,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/saturated_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_water_settings {
 namespace {
 
 TEST(WaterSettings, values_that_look_like_another_unit_are_warned_of) {
@@ -90,4 +90,4 @@ TEST(WaterSettings, layers_whose_stresses_differ_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_water_settings

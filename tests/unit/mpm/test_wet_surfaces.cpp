@@ -7,7 +7,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/mpm/saturated_soil.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_wet_surfaces {
 namespace {
 
 constexpr double pi = 3.14159265358979324;
@@ -180,12 +180,37 @@ TEST(WetSurfaces, friction_of_undrained_soil_at_rest_is_that_of_its_buoyant_weig
   }
 }
 
-/// Laid at once, its water bears the weight: the grains next to none, what the pressure changes in
-/// half a cell at most.
+/// Laid at once, its water bears the weight, and the grains next to none.
 TEST(WetSurfaces, undrained_soil_laid_at_once_hardly_rubs) {
   for (const double offset : {0.0, 1.0 / 3, 0.5}) {
-    EXPECT_LT(share_that_rubs(offset, water_density, Json()), 0.05) << offset;
+    EXPECT_LT(share_that_rubs(offset, water_density, Json()), 0.01) << offset;
   }
+}
+
+/// Nor does it rub where it slides down a slope and spreads: impulse along the floor by mu times
+/// that across it.
+TEST(WetSurfaces, undrained_slide_hardly_rubs) {
+  const double mu = 0.3, slope = 20 * pi / 180;
+  Json sand = saturated_sand();
+  sand["friction_angle"] = 33;
+  Json json = {{"dimension", 2},
+               {"grid", box({0, 0}, {4, 1}, {40, 10}, "quad4")},
+               {"basis", "gimp"},
+               {"gravity", {g * std::sin(slope), -g * std::cos(slope)}},
+               {"bodies", {body("soil", box({0.5, 0.15}, {2.5, 0.75}, {20, 6}, "quad4"), 4, sand)}},
+               {"rigid_walls",
+                {{{"name", "floor"},
+                  {"surface", {{"polyline", {{50, 0.15}, {-50, 0.15}}}, {"spacing", 50}}},
+                  {"friction", mu}}}}};
+  json["bodies"][0]["water"] = pore_water;
+  const auto solver = mpm_solver<2>(json);
+  double along = 0, across = 0;
+  for (int step = 1; step <= 60; ++step) {
+    run_steps(*solver, 2e-3, 1, step);
+    along += probe(*solver, "floor.fx");
+    across += probe(*solver, "floor.fy");
+  }
+  EXPECT_LT(std::abs(along), 0.02 * mu * std::abs(across));
 }
 
 TEST(WetSurfaces, boundary_points_at_a_seepage_face_are_refused) {
@@ -251,4 +276,4 @@ TEST(WetSurfaces, wet_sand_flows) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_wet_surfaces

@@ -4,7 +4,7 @@
 
 #include "tests/unit/newton/conduction.hpp"
 
-namespace gabion {
+namespace gabion::test_conduction {
 namespace {
 
 using test::Conduction;
@@ -76,4 +76,4 @@ TEST(Conduction, newton_solves_for_any_number_of_unknowns) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_conduction

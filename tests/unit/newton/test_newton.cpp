@@ -8,7 +8,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/newton/spring_chain.hpp"
 
-namespace gabion {
+namespace gabion::test_newton {
 namespace {
 
 using test::expect_parts;
@@ -343,4 +343,4 @@ TEST(NewtonSettings, read_and_refused) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_newton

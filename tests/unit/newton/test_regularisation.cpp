@@ -13,7 +13,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/mpi_main.hpp"
 
-namespace gabion {
+namespace gabion::test_regularisation {
 namespace {
 
 /// A light node above a support that can only push, as a grain of cohesionless soil on a heap:
@@ -195,4 +195,4 @@ TEST(Regularisation, circles_of_any_period_are_seen_and_progress_is_not) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_regularisation

@@ -10,7 +10,7 @@
 #include "tests/unit/output/output_folder.hpp"
 #include "tests/unit/output/small_disk.hpp"
 
-namespace gabion {
+namespace gabion::test_hdf5_file {
 namespace {
 
 using test::expect_error;
@@ -219,4 +219,4 @@ TEST_F(Hdf5FileTest, a_full_disk_is_an_error_and_leaves_nothing) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_hdf5_file

@@ -11,7 +11,7 @@
 #include "common/hdf5/hdf5_reader.hpp"
 #include "tests/unit/output/output_folder.hpp"
 
-namespace gabion {
+namespace gabion::test_hdf5_reader {
 namespace {
 
 using test::expect_error;
@@ -89,19 +89,30 @@ TEST_F(Hdf5ReaderTest, nothing_is_allocated_for_values_that_the_file_does_not_ho
 }
 
 TEST_F(Hdf5ReaderTest, types_whose_values_do_not_fit_are_refused) {
-  const auto refused = [](const std::string& file) {
+  const auto refused = [](const std::string& file, const std::string& found) {
     const Hdf5Reader reader(file);
-    expect_error<Error>([&] { reader.integers("d"); }, {"dataset d has another type"});
-    expect_error<Error>([&] { reader.reals("d"); }, {"dataset d has another type"});
+    expect_error<Error>([&] { reader.integers("d"); },
+                        {"dataset d: found " + found, "allowed: integers of at most 8 bytes"});
+    expect_error<Error>([&] { reader.reals("d"); },
+                        {"dataset d: found " + found, "allowed: floating-point numbers of at"});
+    expect_error<Error>([&] { reader.numbers("d"); }, {"dataset d: found " + found, "allowed: "});
   };
-  refused(file_with({3}, H5T_NATIVE_UINT64));
-  refused(file_with({3}, H5T_NATIVE_LDOUBLE));
-  refused(file_with({3}, text_type(8)));
+  refused(file_with({3}, H5T_NATIVE_UINT64), "integers without a sign of 8 bytes");
+  refused(file_with({3}, H5T_NATIVE_LDOUBLE), "floating-point numbers of 16 bytes");
+  refused(file_with({3}, text_type(8)), "texts");
   const std::int32_t values[] = {-1, 0, 7};
   const std::string narrow = file_with({3}, H5T_NATIVE_INT32, [&](hid_t data) {
     H5Dwrite(data, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
   });
   EXPECT_EQ(Hdf5Reader(narrow).integers("d"), (std::vector<std::int64_t>{-1, 0, 7}));
+  EXPECT_EQ(Hdf5Reader(narrow).numbers("d"), (std::vector<double>{-1, 0, 7}));
+  expect_error<Error>([&] { Hdf5Reader(narrow).reals("d"); },
+                      {"dataset d: found integers of 4 bytes, allowed: floating-point"});
+  Hdf5File file(path("reals.h5"));
+  file.write("d", 1, std::vector<float>{0.5F, -2});
+  file.finish();
+  EXPECT_EQ(Hdf5Reader(path("reals.h5")).numbers("d"), (std::vector<double>{0.5, -2}));
+  expect_error<Error>([&] { Hdf5Reader(path("reals.h5")).numbers("e"); }, {"reals.h5", "read e"});
 }
 
 TEST_F(Hdf5ReaderTest, ranges_stay_within_the_values) {
@@ -123,7 +134,8 @@ TEST_F(Hdf5ReaderTest, values_of_other_files_are_refused) {
   H5Pset_external(creation, path("secret").c_str(), 0, 8);
   const std::string file = file_with({1}, H5T_NATIVE_INT64, {}, creation);
   H5Pclose(creation);
-  expect_error<Error>([&] { Hdf5Reader(file).integers("d"); }, {"dataset d has another type"});
+  expect_error<Error>([&] { Hdf5Reader(file).integers("d"); },
+                      {"dataset d: found values that another file holds"});
 }
 
 TEST_F(Hdf5ReaderTest, pipes_and_folders_are_no_files) {
@@ -135,4 +147,4 @@ TEST_F(Hdf5ReaderTest, pipes_and_folders_are_no_files) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_hdf5_reader

@@ -11,7 +11,7 @@
 #include "tests/unit/output/output_folder.hpp"
 #include "tests/unit/output/small_disk.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_ranked_output {
 namespace {
 
 /// One folder for all ranks.
@@ -152,4 +152,4 @@ TEST_F(RankedOutput, a_value_of_one_rank_that_does_not_fit_is_an_error_on_all) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_ranked_output

@@ -10,7 +10,7 @@
 #include "common/mechanics/output/xdmf_series.hpp"
 #include "tests/unit/output/output_folder.hpp"
 
-namespace gabion {
+namespace gabion::test_xdmf_series {
 namespace {
 
 using test::expect_error;
@@ -195,4 +195,4 @@ TEST_F(XdmfSeriesTest, a_folder_that_cannot_be_or_is_gone_is_an_error) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_xdmf_series

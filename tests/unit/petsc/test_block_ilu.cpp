@@ -6,7 +6,7 @@
 #include "common/mechanics/petsc/block_ilu.hpp"
 #include "tests/unit/petsc/random_system.hpp"
 
-namespace gabion {
+namespace gabion::test_block_ilu {
 namespace {
 
 using test::assembled;
@@ -98,4 +98,4 @@ TEST(BlockIlu, a_chain_is_solved_exactly) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_block_ilu

@@ -6,7 +6,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/unit/petsc/random_system.hpp"
 
-namespace gabion {
+namespace gabion::test_block_matrix {
 namespace {
 
 using test::assembled;
@@ -134,4 +134,4 @@ TEST(BlockMatrix, constrain_refuses_lists_of_different_length) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_block_matrix

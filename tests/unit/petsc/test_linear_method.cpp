@@ -7,7 +7,7 @@
 #include "common/mechanics/petsc/linear_method.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion {
+namespace gabion::test_linear_method {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -124,4 +124,4 @@ TEST(LinearMethod, refuses_wrong_settings) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_linear_method

@@ -10,7 +10,7 @@
 #include "tests/support/mpi_main.hpp"
 #include "tests/unit/petsc/random_system.hpp"
 
-namespace gabion {
+namespace gabion::test_linear_solver {
 namespace {
 
 using test::expect_error;
@@ -480,4 +480,4 @@ TEST(EigenvalueSigns, equal_those_of_all_eigenvalues) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_linear_solver

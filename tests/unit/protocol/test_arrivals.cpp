@@ -11,7 +11,7 @@
 #include "protocol/serve.hpp"
 #include "raw_participant.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_arrivals {
 namespace {
 
 /// A coupler's socket, and what a participant's handshake with it ends with.
@@ -189,4 +189,4 @@ TEST(Arrivals, a_wait_ends_at_its_deadline_however_many_come) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_arrivals

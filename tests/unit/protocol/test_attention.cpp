@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gabion {
+namespace gabion::test_attention {
 namespace {
 
 using Seconds = Attention::Seconds;
@@ -36,4 +36,4 @@ TEST(Attention, learns_that_waits_became_short_or_long) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_attention

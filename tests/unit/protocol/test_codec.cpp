@@ -35,7 +35,7 @@ std::atomic<std::size_t> allocated = 0;
   std::free(memory);
 }
 
-namespace gabion {
+namespace gabion::test_codec {
 namespace {
 
 using test::expect_error, test::expect_parts;
@@ -349,4 +349,4 @@ TEST(Codec, worst_headers_stay_inside_the_memory_bound) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_codec

@@ -19,7 +19,7 @@
 #include "raw_participant.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_faults {
 namespace {
 
 void sleep_for(double seconds) {
@@ -586,4 +586,4 @@ TEST_F(Processes, death_of_a_peer_is_the_message_even_when_a_launcher_ends_the_c
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_faults

@@ -10,7 +10,7 @@
 #include "protocol/wire/force_kinds.hpp"
 #include "raw_participant.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_handshake {
 namespace {
 
 struct Outcome {
@@ -211,7 +211,7 @@ TEST(Handshake, all_mismatches_are_told_at_once) {
   Hello hello = good_hello("soil");
   hello.scene_hash = "def";
   hello.sends.unit = "kN";
-  expect_refused(to_message(hello), {"scene hash", "kN"});
+  expect_refused(to_message(hello), {"scene hash", "the same --set", "kN"});
 }
 
 TEST(Handshake, unknown_name_is_refused) {
@@ -363,4 +363,4 @@ TEST(Handshake, a_hello_that_is_not_understood_is_answered_and_the_coupler_waits
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_handshake

@@ -13,7 +13,7 @@
 #include "raw_participant.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_last_words {
 namespace {
 
 /// A process of this machine that has ended: its number was given away again.
@@ -272,4 +272,4 @@ TEST_F(LastWords, what_else_a_coupler_asked_that_is_gone_nobody_awaits) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_last_words

@@ -11,7 +11,7 @@
 #include "protocol/channel/local_channel.hpp"
 #include "protocol/channel/socket.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_local_channel {
 namespace {
 
 constexpr int patience = 60000;  // [ms]
@@ -174,4 +174,4 @@ TEST(LocalChannel, a_participant_that_calls_the_coupler_otherwise_goes_over_the_
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_local_channel

@@ -7,7 +7,7 @@
 
 #include "dummy_solver.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_loopback {
 namespace {
 
 struct Pair {
@@ -124,4 +124,4 @@ TEST(Loopback, a_next_step_is_asked_for_at_no_other_time) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_loopback

@@ -13,7 +13,7 @@
 #include "protocol/participant.hpp"
 #include "protocol/wire/exchange.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_participant {
 namespace {
 
 const std::vector<double> coordinates = {0, 0, 0, 1, 0, 2};
@@ -308,7 +308,7 @@ TEST(Participant, wrong_calls_are_named) {
   EXPECT_SAYS(usage_error([&](Participant& p) { p.set_interface("roof", six); }),
               "set_interface: allowed before initialize() only");
   EXPECT_SAYS(usage_error([&](Participant& p) { p.advance(0.1); }),
-              "advance: ask requires_writing_checkpoint()");
+              "advance: call requires_writing_checkpoint()");
   EXPECT_SAYS(usage_error([&](Participant& p) { p.read_data("roof"); }),
               "found interface \"roof\", allowed: [\"wall\"]");
   EXPECT_SAYS(usage_error([&](Participant& p) {
@@ -386,4 +386,4 @@ TEST(ParticipantInC, failures_are_status_and_text) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_participant

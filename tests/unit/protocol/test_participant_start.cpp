@@ -13,7 +13,7 @@
 #include "protocol/participant.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_participant_start {
 namespace {
 
 const std::vector<double> coordinates = {0, 0, 0, 1, 0, 2};
@@ -182,4 +182,4 @@ TEST(StartCalls, wrong_ones_are_named) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_participant_start

@@ -5,7 +5,7 @@
 #include "dummy_solver.hpp"
 #include "protocol/participant/step_order.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_step_order {
 namespace {
 
 std::string refusal_of(const std::function<void()>& action) {
@@ -76,4 +76,4 @@ TEST(StepOrder, a_loaded_state_is_of_any_step) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_step_order

@@ -9,7 +9,7 @@
 #include "protocol/wire/exchange.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion {
+namespace gabion::test_vectors {
 namespace {
 
 using test::expect_error;
@@ -140,4 +140,4 @@ TEST(Vectors, malformed_frames_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_vectors

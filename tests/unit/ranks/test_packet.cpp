@@ -8,7 +8,7 @@
 #include "common/mechanics/ranks/packet.hpp"
 #include "tests/support/mpi_main.hpp"
 
-namespace gabion {
+namespace gabion::test_packet {
 namespace {
 
 std::vector<double> numbers_of(int sender, int receiver, int round) {
@@ -54,4 +54,4 @@ TEST(Packets, may_be_empty_and_may_be_none) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_packet

@@ -7,7 +7,7 @@
 #include "common/mechanics/ranks/partition.hpp"
 #include "tests/support/mpi_main.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_partition {
 namespace {
 
 template <int dim>
@@ -89,4 +89,4 @@ TEST(Partition, places_that_cannot_be_parted_leave_ranks_empty) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_partition

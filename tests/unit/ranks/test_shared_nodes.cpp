@@ -7,7 +7,7 @@
 #include "common/mechanics/ranks/shared_nodes.hpp"
 #include "tests/support/mpi_main.hpp"
 
-namespace gabion {
+namespace gabion::test_shared_nodes {
 namespace {
 
 constexpr std::int32_t num_ids = 40;
@@ -104,4 +104,4 @@ TEST(SharedNodes, a_rank_may_hold_none) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_shared_nodes

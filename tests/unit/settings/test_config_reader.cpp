@@ -7,7 +7,7 @@
 #include "common/settings/config_reader.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion {
+namespace gabion::test_config_reader {
 namespace {
 
 using test::expect_error;
@@ -316,4 +316,4 @@ TEST(NearestWord, the_fewest_letters_to_change) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_config_reader

@@ -8,7 +8,7 @@
 #include "common/settings/json_text.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion {
+namespace gabion::test_json_fault {
 namespace {
 
 TEST(JsonFault, says_where_what_was_found_and_what_is_allowed) {
@@ -43,4 +43,4 @@ TEST(JsonFault, says_where_what_was_found_and_what_is_allowed) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_json_fault

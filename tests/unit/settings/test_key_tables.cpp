@@ -12,7 +12,7 @@
 #include "fem_solver/matrices/matrix_settings.hpp"
 #include "mpm_solver/mpm_config.hpp"
 
-namespace gabion {
+namespace gabion::test_key_tables {
 namespace {
 
 std::map<std::string, KeyTable> root_tables() {
@@ -169,4 +169,4 @@ TEST(KeyTables, a_resolved_file_shows_the_tolerances_of_the_run) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_key_tables

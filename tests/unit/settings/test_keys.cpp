@@ -4,7 +4,7 @@
 #include "common/settings/describe_keys.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion {
+namespace gabion::test_keys {
 namespace {
 
 KeyTable law_keys() {
@@ -95,4 +95,4 @@ TEST(DescribeKeys, another_form_is_refused) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_keys

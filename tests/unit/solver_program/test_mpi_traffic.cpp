@@ -11,7 +11,7 @@
 #include "solver_program/mpi_traffic.hpp"
 #include "tests/support/mpi_main.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_mpi_traffic {
 namespace {
 
 template <class Work>
@@ -106,4 +106,4 @@ TEST(MpiTraffic, what_petsc_sends_is_seen) {
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_mpi_traffic

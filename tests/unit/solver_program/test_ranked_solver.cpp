@@ -19,7 +19,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/mpi_main.hpp"
 
-namespace gabion::test {
+namespace gabion::test::test_ranked_solver {
 namespace {
 
 /// Writes down what it was asked to do.
@@ -463,4 +463,4 @@ TEST(RankedSolver, a_request_that_is_not_allowed_ends_all_ranks_with_the_same_wo
 }
 
 }  // namespace
-}  // namespace gabion::test
+}  // namespace gabion::test::test_ranked_solver

@@ -9,7 +9,7 @@
 #include "tests/support/convergence_rate.hpp"
 #include "tests/support/expect_error.hpp"
 
-namespace gabion {
+namespace gabion::test_newmark {
 namespace {
 
 /// u'' + omega^2 u = 0
@@ -252,4 +252,4 @@ TEST(NewmarkBossak, parameters_out_of_range_are_refused) {
 }
 
 }  // namespace
-}  // namespace gabion
+}  // namespace gabion::test_newmark

@@ -98,7 +98,7 @@ void verify_order(Scheme scheme, double least_order) {
           .measure = Measure::order,
           .bound = least_order});
   verify({.id = "C2",
-          .what = "energy made by the coupling, " + name(scheme) + ", dt 0.01",
+          .what = "energy created by the coupling, " + name(scheme) + ", dt 0.01",
           .exact = 0,
           .computed = fine.drift,
           .measure = Measure::absolute_error,

@@ -122,8 +122,8 @@ void check(const std::string& what, const Path<dim>& path, double bound) {
             .bound = bound});
   };
   row("position [m]", worst.position);
-  row("stress by E", worst.stress);
-  row("energy by E", worst.energy);
+  row("stress over E", worst.stress);
+  row("energy over E", worst.energy);
 }
 
 template <int dim>

@@ -224,7 +224,7 @@ TEST(V7_VibratingBar, work_of_loads_is_the_energy) {
     }
     verify(
         {.id = "V7",
-         .what = "energy minus work of loads by (1 J/m + work), " +
+         .what = "energy minus work of loads, over (1 J/m + work), " +
                  std::string(scheme == midpoint ? "generalized-alpha rho 1" : "trapezoidal rule") +
                  ", FEM 2D",
          .exact = 0,

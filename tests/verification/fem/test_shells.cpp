@@ -192,7 +192,8 @@ TEST(shells_Strip, elastica) {
           .bound = 0.005});
 }
 
-/// As the beam of steel_Beam, uniaxial: delta / delta_e of a rectangular section, ideally plastic.
+/// A beam like that of steel_Beam, uniaxial: delta / delta_e of a rectangular, ideally plastic
+/// section.
 TEST(shells_Steel, deflection_beyond_the_elastic_limit) {
   constexpr double E = 210e9, L = 1, b = 0.05, h = 0.02, yield_stress = 250e6;
   const double P_e = yield_stress * b * h * h / 6 / L;

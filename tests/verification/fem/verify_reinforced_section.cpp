@@ -112,7 +112,6 @@ Bent bend(int cells) {
       {{"group", "end"}, {"component", "y"}, {"table", {{0, 0}}}}};
   const double h = depth / cells;
   json["sections"] = {{{"name", "s"}, {"point", {0.25 + 0.4 * h, depth / 2}}, {"normal", {1, 0}}}};
-  json["time_integration"] = {{"scheme", "bossak"}};
   const auto solver = fem_solver<2>(json);
   Bent bent;
   double before = 0;

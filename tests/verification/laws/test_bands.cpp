@@ -99,7 +99,7 @@ TEST(VA5_Bands, form_at_the_modulus_and_the_angle_of_the_bifurcation) {
     }
     const std::string what = fmt::format("Mohr-Coulomb, phi {}, psi {}: ", phi, psi);
     verify({.id = "VA5",
-            .what = what + "hardening modulus by E at which bands form",
+            .what = what + "hardening modulus over E at which bands form",
             .exact = (s - t) * (s - t) / (16 * (1 - nu * nu)),
             .computed = high / E,
             .measure = Measure::absolute_error,
@@ -139,8 +139,8 @@ TEST(VA4_LayerWithABand, unloads_by_its_height_and_the_width_of_the_band) {
         U[k] = (L - w) * tau[k] / mu + w * strain;
       }
       verify({.id = "VA4",
-              .what = fmt::format("layer of {} m with a band of {} m, loss of strength {} of what "
-                                  "snaps back: d tau / dU by G",
+              .what = fmt::format("layer of {} m with a band of {} m, loss of strength {} of that "
+                                  "at which it snaps back: d tau / dU over G",
                                   L, w, share),
               .exact = 1 / (L - w * mu / h_s),
               .computed = (tau[1] - tau[0]) / (U[1] - U[0]) / mu,

@@ -68,7 +68,7 @@ void verify_tangent(const std::string& name, const auto& law, const PointContext
   EXPECT_GT(yielded, 60) << name;
   test::verify({.id = "VA1",
                 .what = name + (dim == 2 ? ", plane strain" : ", 3D") +
-                        ": tangent against central differences, by lambda + 2 mu",
+                        ": tangent minus central differences, over lambda + 2 mu",
                 .exact = 0,
                 .computed = largest,
                 .measure = test::Measure::absolute_error,
@@ -110,6 +110,8 @@ void verify_all() {
                                .peak = {1e4, 0, 0}, .residual = {2e3, 0, 0}, .scale = 0.05})};
   clay.frictional = false;
   check("Tresca that softens", SofteningSoil<dim>(clay));
+  clay.rate_gain = {.gain = 0.2, .reference = 1e-3};
+  check("Tresca that softens and grows with the rate", SofteningSoil<dim>(clay));
   check("mu(I)", MuI<dim>({.lambda = lambda,
                            .mu = mu,
                            .static_friction = 0.38,

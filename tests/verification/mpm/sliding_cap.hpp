@@ -123,7 +123,7 @@ inline void check_cap_slides(const ParabolicCap& cap, const std::string& what, c
           .bound = 0.01,
           .unit = "m"});
   verify({.id = "V22",
-          .what = what + "mean p_xx by mean p_zz",
+          .what = what + "mean p_xx over mean p_zz",
           .exact = cap.active_pressure(),
           .computed = pressure_ratio,
           .bound = 0.04});
@@ -133,13 +133,13 @@ inline void check_cap_slides(const ParabolicCap& cap, const std::string& what, c
 inline void check_cap_spreads(const ParabolicCap& cap, const std::string& what,
                               const CapBounds& bounds, const CapState& last) {
   verify({.id = "V22",
-          .what = what + "half length by the spread, k = K - tan^2 delta",
+          .what = what + "half length from the spread, k = K - tan^2 delta",
           .exact = cap.L * cap.stretch(cap.driving(), last.t),
           .computed = last.half_length,
           .bound = bounds.half_length,
           .unit = "m"});
   verify({.id = "V22",
-          .what = what + "half length by the spread, k = K (Savage and Hutter)",
+          .what = what + "half length from the spread, k = K (Savage and Hutter)",
           .exact = cap.L * cap.stretch(cap.active_pressure(), last.t),
           .computed = last.half_length,
           .bound = bounds.published,

@@ -74,8 +74,9 @@ void patch() {
     }
   }
   const std::string where = dim == 2 ? ", MPM tri3, quad4" : ", MPM tet4, hex8";
-  error_row("patch: stress by E" + where, stress, 1e-13);
-  error_row("patch: force on inner nodes by E h^" + std::to_string(dim - 1) + where, force, 1e-13);
+  error_row("patch: stress over E" + where, stress, 1e-13);
+  error_row("patch: force on inner nodes over E h^" + std::to_string(dim - 1) + where, force,
+            1e-13);
 }
 
 TEST(V1_AffineMotion, patch_2d) {
@@ -119,7 +120,7 @@ void rotate() {
     }
   }
   const std::string where = dim == 2 ? ", MPM tri3, quad4" : ", MPM tet4, hex8";
-  error_row("rotation by 360 deg, 72 steps: stress drift by E" + where, drift, 1e-10);
+  error_row("rotation by 360 deg, 72 steps: stress drift over E" + where, drift, 1e-10);
   error_row("rotation by 360 deg, 72 steps: position [m]" + where, path, 1e-10);
 }
 
@@ -166,7 +167,7 @@ void shear() {
     }
   }
   const std::string where = dim == 2 ? ", MPM tri3, quad4" : ", MPM tet4, hex8";
-  error_row("simple shear to gamma = 4, 80 steps: stress by E" + where, error, 1e-11);
+  error_row("simple shear to gamma = 4, 80 steps: stress over E" + where, error, 1e-11);
 }
 
 TEST(V1_AffineMotion, simple_shear_2d) {

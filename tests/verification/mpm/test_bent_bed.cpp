@@ -52,8 +52,8 @@ TEST(V9_BentBed, small_bends_are_no_bends) {
     const Vector<2> found = after(bend);
     // The impulse of the bed turns the momentum by the bend, once the block is past it.
     verify({.id = "V9",
-            .what = fmt::format("the same where the bed bends by {} degrees at 1 m, change of "
-                                "momentum over momentum and bend",
+            .what = fmt::format("the same on a bed that bends by {} degrees at 1 m, change of "
+                                "momentum over momentum and angle",
                                 bend),
             .exact = 0,
             .computed = (found - straight).norm() / straight.norm() / std::abs(bend * degree),

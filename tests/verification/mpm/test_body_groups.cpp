@@ -182,13 +182,13 @@ TEST(BodyGroups, a_press_of_two_bodies) {
     const Press found = press("gimp", offset);
     const std::string what = fmt::format("two bodies in a press, offset {} of a cell", offset);
     verify({.id = "VB2",
-            .what = what + ": force between them by that on the ground",
+            .what = what + ": force between them over that on the ground",
             .exact = found.opposite,
             .computed = found.force,
             .bound = 1e-5,
             .unit = "N/m"});
     verify({.id = "VB2",
-            .what = what + ": stress within a cell of the contact by force over width",
+            .what = what + ": stress within a cell of the contact over force per width",
             .exact = found.force / press_width,
             .computed = found.stress,
             .bound = 0.04,
@@ -280,7 +280,7 @@ TEST(BodyGroups, two_bars_exchange_their_velocities) {
                 .unit = unit});
       };
       row("stress", density * c * v0, found.stress, 0.02, "Pa");
-      row("impulse by the stress", 2 / c, found.time, 0.03, "s");
+      row("impulse over the stress", 2 / c, found.time, 0.03, "s");
       row("velocity after it", v0, found.second, 0.03, "m/s");
       EXPECT_LT(found.loss, 0.02) << what;
       EXPECT_LT(found.gained, 1e-6) << what;

@@ -111,7 +111,7 @@ Impact impact(double restitution, double end) {
 
 void impulse_row(const std::string& what, const Impact& found) {
   verify({.id = "VB9",
-          .what = what + "impulse on the wall by what the sphere lost",
+          .what = what + "impulse on the wall over the momentum that the sphere lost",
           .exact = found.lost,
           .computed = found.impulse,
           .bound = 1e-6,
@@ -162,13 +162,13 @@ TEST(VB13_StiffWall, is_the_limit_of_a_rigid_one) {
   run_steps(*alone, dt, static_cast<int>(std::lround(end / dt)));
   const std::string what = "sphere and soil of 5 m/s on a wall of 3e14 Pa, coupled: ";
   verify({.id = "VB13",
-          .what = what + "speed of the sphere, by that at a rigid wall",
+          .what = what + "speed of the sphere over that at a rigid wall",
           .exact = probe(*alone, "stone.vx"),
           .computed = probe(*soil, "stone.vx"),
           .bound = 1e-3,
           .unit = "m/s"});
   verify({.id = "VB13",
-          .what = what + "momentum of the soil, by that at a rigid wall",
+          .what = what + "momentum of the soil over that at a rigid wall",
           .exact = probe(*alone, "momentum_x"),
           .computed = probe(*soil, "momentum_x"),
           .bound = 1e-3,

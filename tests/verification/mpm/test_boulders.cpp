@@ -101,7 +101,8 @@ TEST(VB7_Tumbling, flips_keep_energy_and_momentum) {
   const double energy = kinetic_energy(body, state);
   const Vector<3> momentum = angular_momentum(body, state);
   for (int k = 0; k < 20000; ++k) state = advance(body, state, {}, 0.05);
-  bounded("VB7", "free body about its middle axis, 20000 steps: energy by its start less 1",
+  bounded("VB7",
+          "free body about its middle axis, 20000 steps: energy over its initial value, minus 1",
           kinetic_energy(body, state) / energy - 1, 1e-11, "");
   bounded("VB7", "free body about its middle axis, 20000 steps: change of angular momentum",
           (angular_momentum(body, state) - momentum).norm() / momentum.norm(), 1e-11, "");
@@ -124,12 +125,15 @@ TEST(VB7_Tumbling, a_block_dropped_on_its_corner) {
       last = scene.energy();
     }
     if (elastic) {
-      bounded("VB7", "block on its corner, elastic, no friction: energy by its start less 1, 2 s",
+      bounded("VB7",
+              "block on its corner, elastic, no friction: energy over its initial value, "
+              "minus 1, 2 s",
               last / first - 1, 1e-9, "");
     } else {
       bounded("VB7",
-              "block on its corner, e 0.5, friction 0.4: largest gain of a step by its start", gain,
-              1e-12, "");
+              "block on its corner, e 0.5, friction 0.4: largest gain of a step over the initial "
+              "energy",
+              gain, 1e-12, "");
     }
   }
 }

@@ -75,7 +75,7 @@ TEST(V6_Cantilever, small_load) {
           .measure = Measure::order,
           .bound = 1.8});
   verify({.id = "V6",
-          .what = "cantilever, alpha = 0.01, MPM linear: deflection by the elastica's, h to 0",
+          .what = "cantilever, alpha = 0.01, MPM linear: deflection over the elastica's, h to 0",
           .exact = 1,
           .computed = fine + (fine - middle) / 3,
           .bound = 0.015});  // the shear deformation is 0.6 (1 + nu) (thickness / length)^2
@@ -83,7 +83,8 @@ TEST(V6_Cantilever, small_load) {
 
 TEST(V6_Cantilever, large_load) {
   verify({.id = "V6",
-          .what = "cantilever, alpha = 1, 4 cells across, MPM linear: deflection by the elastica's",
+          .what = "cantilever, alpha = 1, 4 cells across, MPM linear: deflection over the "
+                  "elastica's",
           .exact = 1,
           .computed = deflection_ratio(1, 4, 10, "linear"),
           .bound = 0.08,

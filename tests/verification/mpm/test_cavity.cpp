@@ -104,13 +104,13 @@ void open_ring(const std::string& type) {
   const std::string what = " of a ring, b / a = 2, Tresca, MPM " + type;
   run_steps(solver, dt, 5);
   verify({.id = "V16",
-          .what = "pressure by c at first yield" + what,
+          .what = "pressure over c at first yield" + what,
           .exact = ring.pressure(ring.a0 + 5 * dt),
           .computed = pressure(),
           .bound = 0.01});
   run_steps(solver, dt, 20, 6);
   verify({.id = "V16",
-          .what = "pressure by c at collapse" + what,
+          .what = "pressure over c at collapse" + what,
           .exact = ring.pressure(ring.a0 + 25 * dt),
           .computed = pressure(),
           .bound = 0.01});
@@ -151,13 +151,13 @@ void open_wide(const std::string& type, int points_per_cell, double bound,
   for (int n = 1; n <= steps; ++n) p = open_to(n);
   const std::string what = ", Tresca, G / c = 100, MPM " + type;
   verify({.id = "V16",
-          .what = "pressure by c in a cavity opened to 3 radii" + what,
+          .what = "pressure over c in a cavity opened to 3 radii" + what,
           .exact = cavity.pressure(3 * cavity.a0),
           .computed = p,
           .bound = bound,
           .limitation = limitation});
   verify({.id = "V16",
-          .what = "limit pressure by c of a cavity, that at 3 radii + ln(9 / 8)" + what,
+          .what = "limit pressure over c of a cavity (that at 3 radii + ln(9 / 8))" + what,
           .exact = 1 + std::log(cavity.G / cavity.c),
           .computed = p + std::log(9.0 / 8),
           .bound = bound,
@@ -208,12 +208,13 @@ void open_on_box(const std::string& basis) {
     for (std::size_t k = 0; k < X.size(); ++k) p -= force.at("cavity")[k] * X[k];
     p /= 0.5 * M_PI * ring.a0 * (ring.a0 + 0.1 * n / steps);
   }
-  verify({.id = "V16",
-          .what = "pressure by c of a ring, b / a = 4, opened by a tenth, 8 cells a radius, MPM " +
-                  basis,
-          .exact = ring.pressure(1.1 * ring.a0),
-          .computed = p,
-          .bound = 0.02});
+  verify(
+      {.id = "V16",
+       .what = "pressure over c of a ring, b / a = 4, opened by a tenth, 8 cells a radius, MPM " +
+               basis,
+       .exact = ring.pressure(1.1 * ring.a0),
+       .computed = p,
+       .bound = 0.02});
 }
 
 TEST(V16_Cavity, round_wall_in_a_box_of_cells) {

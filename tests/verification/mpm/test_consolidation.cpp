@@ -121,7 +121,7 @@ void compare(const std::string& id, const Column& column, const std::vector<Tabl
     const std::string what = (id == "VW1" ? "P3, " : "P4, ") + column.law + ", " + column.basis +
                              ", t " + std::to_string(static_cast<int>(row.t)) + " s: ";
     verify({.id = id,
-            .what = what + "largest error of the pressure, of the load",
+            .what = what + "largest error of the pressure over the load",
             .exact = 0,
             .computed = error,
             .measure = Measure::absolute_error,

@@ -135,7 +135,7 @@ struct Study {
     VerificationCurve curve{.id = id,
                             .figure = "stress of a column under its weight, " + set,
                             .x_label = "cell size [m]",
-                            .y_label = "mean stress error by rho g L",
+                            .y_label = "mean stress error over rho g L",
                             .label = basis};
     draw_curve(curve, sizes, stress);
   }
@@ -165,13 +165,13 @@ TEST(V2_CrossingColumn, two_percent) {
             1.4);
   order_row("order of stress in h, 4 to 32 cells, MPM bspline", 2,
             bspline.order(bspline.stress, 0, 3), 1.4);
-  error_row("mean stress error by rho g L, 128 cells, MPM gimp", gimp.stress.back(), 3e-4);
-  error_row("mean stress error by rho g L, 128 cells, MPM bspline", bspline.stress.back(), 1e-3,
+  error_row("mean stress error over rho g L, 128 cells, MPM gimp", gimp.stress.back(), 3e-4);
+  error_row("mean stress error over rho g L, 128 cells, MPM bspline", bspline.stress.back(), 1e-3,
             quadrature);
-  error_row("mean stress error by rho g L, 128 cells, MPM quad4", linear.stress.back(), 0.002);
+  error_row("mean stress error over rho g L, 128 cells, MPM quad4", linear.stress.back(), 0.002);
   order_row("order of stress in h, 16 to 128 cells, MPM quad4", 1,
             linear.order(linear.stress, 2, 5), 0.9);
-  error_row("mean stress error by rho g L, 128 cells, MPM quad4, quadrature by points",
+  error_row("mean stress error over rho g L, 128 cells, MPM quad4, quadrature by points",
             points.stress.back(), 0.04, jumps);
   EXPECT_LT(points.order(points.stress, 2, 5), 0);  // it stalls
 }
@@ -188,11 +188,11 @@ TEST(V2_CrossingColumn, half_its_height) {
             gimp.order(gimp.stress, 0, 3), 1.4);
   order_row("order of heights in h at 50 %, 16 to 64 cells, MPM gimp", 1,
             gimp.order(gimp.height, 1, 3), 1.6);
-  error_row("largest error of height by L at 50 %, 64 cells, MPM gimp", gimp.height.back(), 1e-4);
-  error_row("mean stress error by rho g L at 50 %, 64 cells, MPM gimp", gimp.stress.back(), 5e-4);
-  error_row("mean stress error by rho g L at 50 %, 64 cells, MPM bspline", bspline.stress.back(),
+  error_row("largest error of height over L at 50 %, 64 cells, MPM gimp", gimp.height.back(), 1e-4);
+  error_row("mean stress error over rho g L at 50 %, 64 cells, MPM gimp", gimp.stress.back(), 5e-4);
+  error_row("mean stress error over rho g L at 50 %, 64 cells, MPM bspline", bspline.stress.back(),
             8e-3, quadrature);
-  error_row("mean stress error by rho g L at 50 %, 64 cells, MPM quad4", linear.stress.back(),
+  error_row("mean stress error over rho g L at 50 %, 64 cells, MPM quad4", linear.stress.back(),
             0.003);
 }
 
@@ -205,7 +205,7 @@ TEST(V2_CrossingColumn, in_space) {
       height.push_back(found.height);
     }
     const std::string what = basis == "linear" ? "hex8" : basis + " 3D";
-    error_row("mean stress error by rho g L, 32 cells, MPM " + what, stress[1],
+    error_row("mean stress error over rho g L, 32 cells, MPM " + what, stress[1],
               basis == "linear" ? 6e-3 : 3e-3);
     order_row("order of heights in h, 8 to 32 cells, MPM " + what, 2,
               std::log(height[0] / height[1]) / std::log(4), 1.7);

@@ -103,8 +103,8 @@ void collide(const std::string& name, double end_time, double offset, double ene
   curve.label = "elastic";
   draw_curve(curve, time, elastic);
   const std::string what = "two disks, " + name + ", MPM quad4: ";
-  row(what + "momentum by 2 m v", momentum, 1e-12);
-  row(what + "angular momentum by 2 m v R", angular, offset == 0 ? 1e-3 : 0.05);
+  row(what + "momentum over 2 m v", momentum, 1e-12);
+  row(what + "angular momentum over 2 m v R", angular, offset == 0 ? 1e-3 : 0.05);
   row(what + "share of energy lost", 1 - (end.kinetic + end.elastic) / start.kinetic, energy_bound,
       one_grid);
 }

@@ -58,7 +58,7 @@ void check_k0(const std::string& type, int points_per_cell) {
   const double h = H / cells;
   const double force = 0.5 * density * g * H * H / 2 * width(dim, cells);
   verify({.id = "V12",
-          .what = "K0 box, displacement that the start lacks to balance, by h, MPM " + type,
+          .what = "K0 box, initial displacement over h, MPM " + type,
           .exact = 0,
           .computed = static_cast<double>(solver->summary().at("initial_displacement")) / h,
           .measure = Measure::absolute_error,
@@ -68,7 +68,7 @@ void check_k0(const std::string& type, int points_per_cell) {
   double settlement = 0;
   for (const auto& u : solver->points().u) settlement = std::max(settlement, u.norm());
   verify({.id = "V12",
-          .what = "K0 box, largest displacement in 20 dynamic steps, by h, MPM " + type,
+          .what = "K0 box, largest displacement in 20 dynamic steps over h, MPM " + type,
           .exact = 0,
           .computed = settlement / h,
           .measure = Measure::absolute_error,

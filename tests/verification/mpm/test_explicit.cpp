@@ -152,7 +152,7 @@ void check_wave(const std::string& basis) {
   }
   verify({.id = "V7",
           .what = fmt::format("explicit, a wave after 6 cells, 5 cells wide: velocity, rms error "
-                              "by rms, MPM {} {}D",
+                              "over rms, MPM {} {}D",
                               basis, dim),
           .exact = 0,
           .computed = std::sqrt(difference / size),
@@ -265,8 +265,8 @@ void check_free_flight(const std::string& basis, const Json& locking) {
   }
   verify(
       {.id = "V18",
-       .what = fmt::format("explicit, block in free flight: energy balance by the energy, MPM {} "
-                           "{}D{}",
+       .what = fmt::format("explicit, block in free flight: error of the energy balance over the "
+                           "energy, MPM {} {}D{}",
                            basis, dim, locking["method"] == "fbar" ? ", F-bar" : ""),
        .exact = 0,
        .computed = probe(*solver, "energy_balance") / before,

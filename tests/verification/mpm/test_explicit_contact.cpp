@@ -85,7 +85,7 @@ TEST(ExplicitContact, a_bar_that_hits_a_wall_gains_no_energy) {
   verify({.id = "V8",
           .what =
               "bar on a rigid wall by facets, explicit, courant 0.1 to 0.9, penalty_factor 1 to "
-              "1e4: energy gained by that of the start",
+              "1e4: energy gained over that at the start",
           .exact = 0,
           .computed = gained,
           .measure = Measure::absolute_error,
@@ -118,7 +118,7 @@ void check_bar(int cells) {
           .bound = 0.015,
           .unit = "Pa"});
   verify({.id = "V8",
-          .what = fmt::format("bar on a rigid wall by facets, explicit, impulse by force as a "
+          .what = fmt::format("bar on a rigid wall by facets, explicit, impulse over force, a "
                               "time, {}D, {} cells",
                               dim, cells),
           .exact = contact_time,
@@ -197,7 +197,7 @@ TEST(ExplicitContact, nothing_passes_through_a_thin_wall) {
     for (const auto& x : solver->points().x) farthest = std::max(farthest, x[0]);
     verify({.id = "V8",
             .what = fmt::format("explicit, soil of 20 m/s at a wall of a fifth of a cell, steps of "
-                                "{:g} s: how far it came through",
+                                "{:g} s: path beyond its face",
                                 dt),
             .exact = 0,
             .computed = std::max(0.0, farthest - 1.5),

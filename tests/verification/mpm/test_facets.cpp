@@ -66,7 +66,7 @@ TEST(Facets, a_bar_that_hits_a_wall_gains_no_energy) {
   verify({.id = "V8",
           .what =
               "bar on a rigid wall by facets, Courant number 0.05 to 50, penalty_factor 1 to 1e4: "
-              "energy gained by that of the start",
+              "energy gained over that at the start",
           .exact = 0,
           .computed = gained,
           .measure = Measure::absolute_error,
@@ -96,7 +96,7 @@ TEST(Facets, a_bar_that_hits_a_wall) {
           .bound = 0.01,
           .unit = "Pa"});
   verify({.id = "V8",
-          .what = "bar on a rigid wall by facets, impulse by force as a time, 2D, 40 cells",
+          .what = "bar on a rigid wall by facets, impulse over force, a time, 2D, 40 cells",
           .exact = contact_time,
           .computed = impulse / h / (density * c * v0),
           .bound = 0.03,
@@ -179,14 +179,14 @@ TEST(Facets, a_block_above_a_plane_comes_down_to_it) {
   for (const double above : {3e-3, 9e-3}) {
     const double lowest = slide(0.3, above, 0.15).lowest;
     EXPECT_GT(lowest, above) << above;
-    verify({.id = "V9",
-            .what = fmt::format("block placed {} mm above a plane of facets: comes down by",
-                                1e3 * above),
-            .exact = above,
-            .computed = lowest,
-            .measure = Measure::absolute_error,
-            .bound = 3e-3,
-            .unit = "m"});
+    verify(
+        {.id = "V9",
+         .what = fmt::format("block placed {} mm above a plane of facets: falls by", 1e3 * above),
+         .exact = above,
+         .computed = lowest,
+         .measure = Measure::absolute_error,
+         .bound = 3e-3,
+         .unit = "m"});
   }
 }
 
@@ -257,8 +257,8 @@ TEST(Facets, soil_that_goes_through_a_soft_surface_comes_back) {
     }
   }
   verify({.id = "V8",
-          .what = "soil of 10 m/s through a wall of soft facets and back: energy gained by that of "
-                  "the start",
+          .what = "soil of 10 m/s through a wall of soft facets and back: energy gained over that "
+                  "at the start",
           .exact = 0,
           .computed = gained,
           .measure = Measure::absolute_error,

@@ -198,7 +198,7 @@ TEST(V8_Impact, coupled_bars_of_equal_impedance) {
   row(what + ": velocity of the MPM bar after", -v0 / 2, found.v_mpm, 0.05, "m/s");
   row(what + ": velocity of the FEM bar after", v0 / 2, found.v_fem, 0.05, "m/s");
   verify({.id = "V8",
-          .what = what + ": momentum of both after by m v0",
+          .what = what + ": momentum of both afterwards over m v0",
           .exact = 0,
           .computed = (found.v_mpm + found.v_fem) / v0,
           .measure = Measure::absolute_error,
@@ -216,7 +216,7 @@ TEST(V8_Impact, coupled_bars_with_explicit_soil) {
     row(what + ": velocity of the MPM bar after", -v0 / 2, found.v_mpm, 0.06, "m/s");
     row(what + ": velocity of the FEM bar after", v0 / 2, found.v_fem, 0.06, "m/s");
     verify({.id = "V8",
-            .what = what + ": momentum of both after by m v0",
+            .what = what + ": momentum of both afterwards over m v0",
             .exact = 0,
             .computed = (found.v_mpm + found.v_fem) / v0,
             .measure = Measure::absolute_error,

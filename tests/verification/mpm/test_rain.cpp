@@ -107,7 +107,7 @@ TEST(VW5_Rain, weaker_than_the_permeability) {
     ColumnRun run(json);
     run.to(start, 4);
     const std::string what = std::string("rain of k / 2 on a column, ") + basis;
-    expect_zero("VW5", what + ": largest error of the pressure before it, of that of the column",
+    expect_zero("VW5", what + ": largest error of the pressure before it, over that of the column",
                 run.error([](double z) { return -gamma_w * z; }), 1e-3);
     const double before = run.mass(), out = probe(*run.solver, "water_out");
     const double in = probe(*run.solver, "rain_in");
@@ -125,7 +125,7 @@ TEST(VW5_Rain, weaker_than_the_permeability) {
             .bound = 1e-3,
             .unit = "kg/m"});
     const double stored = run.mass() - before;
-    expect_zero("VW5", what + ": in less stored and out, of in",
+    expect_zero("VW5", what + ": water in minus stored and out, over water in",
                 (taken - stored - (probe(*run.solver, "water_out") - out)) / taken, 1e-6);
   }
 }
@@ -150,13 +150,13 @@ TEST(VW5_Rain, stronger_than_the_permeability) {
             .computed = (probe(*run.solver, "rain_in") - in) / (1e6 / 20 * water_density * k),
             .bound = std::string(basis) == "gimp" ? 2e-3 : 5e-3});
     verify({.id = "VW5",
-            .what = what + ": what it takes and what runs off, over the rain",
+            .what = what + ": water taken in and water that runs off, over the rain",
             .exact = 2,
             .computed =
                 (probe(*run.solver, "rain_in") + probe(*run.solver, "rain_run_off") - in - off) /
                 (1e6 / 20 * water_density * k),
             .bound = 1e-4});
-    expect_zero("VW5", what + ": largest pressure, of that of the column",
+    expect_zero("VW5", what + ": largest pressure over that of the column",
                 run.error([](double) { return 0.0; }), std::string(basis) == "gimp" ? 3e-3 : 1e-2);
   }
 }
@@ -183,16 +183,16 @@ TEST(VW6_RisingTable, under_a_column) {
     run.to(start, 4);
     const double before = run.mass(), out = probe(*run.solver, "water_out");
     const std::string what =
-        fmt::format("a table that rises under a column, {}, {} cells", basis, cells);
+        fmt::format("water table that rises under a column, {}, {} cells", basis, cells);
     for (const double T : {0.05, 0.1, 0.2}) {
       run.to(start + T * hour, 60);
       expect_zero("VW6",
-                  fmt::format("{}, T = {:g}: largest error of the pressure, of that of the column",
+                  fmt::format("{}, T = {:g}: largest error of the pressure over that of the column",
                               what, T),
                   run.error([&](double z) { return gamma_w * (exact(z, T) - z); }), 0.3 / cells);
     }
     run.to(start + 50 * hour, 6);
-    expect_zero("VW6", what + ": the same in the end",
+    expect_zero("VW6", what + ": the same at the end",
                 run.error([&](double z) { return gamma_w * (level - z); }), 1e-3);
     const double stored = run.mass() - before;
     verify({.id = "VW6",
@@ -201,7 +201,7 @@ TEST(VW6_RisingTable, under_a_column) {
             .computed = out - probe(*run.solver, "water_out"),
             .bound = 0.01,
             .unit = "kg/m"});
-    expect_zero("VW6", what + ": in less stored, of in",
+    expect_zero("VW6", what + ": water in minus stored, over water in",
                 (out - probe(*run.solver, "water_out") - stored) / stored, 1e-6);
   }
 }

@@ -61,7 +61,7 @@ TEST(RigidWalls, bar_that_hits_a_wall) {
           .bound = 0.01,
           .unit = "Pa"});
   verify({.id = "V8",
-          .what = "bar on a rigid wall, time of contact (impulse by force), 2D, 40 cells",
+          .what = "bar on a rigid wall, time of contact (impulse over force), 2D, 40 cells",
           .exact = contact,
           .computed = -impulse / h / (density * c * v0),
           .bound = 0.02,

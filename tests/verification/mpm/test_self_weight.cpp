@@ -109,7 +109,7 @@ void check_columns(const std::vector<std::string>& types) {
     row("relative error of settlement at 1 % strain", coarse.settlement, 0.012);
     row("relative error of base stress at 1 % strain", coarse.base_stress, 0.01);
     // one value a cell: 0.29 h / L and a lumped end
-    row("largest stress error by rho g L at 1 % strain", coarse.stress, 0.055);
+    row("largest stress error over rho g L at 1 % strain", coarse.stress, 0.055);
     std::vector<double> sizes, errors;
     for (const int cells : {4, 8, 16}) {
       const ColumnErrors fine = settle<dim>(type, cells, hardly_strained);
@@ -163,7 +163,8 @@ TEST(V2_SelfWeight, quasi_static_column_in_twenty_load_steps) {
   }
   const double q = column.density * column.g * column.L / column.M;
   verify({.id = "V2",
-          .what = "50 m column in 20 quasi-static steps, MPM quad4: largest error of position by L",
+          .what = "50 m column in 20 quasi-static steps, MPM quad4: largest error of position over "
+                  "L",
           .exact = 0,
           .computed = error / column.L,
           .measure = Measure::absolute_error,

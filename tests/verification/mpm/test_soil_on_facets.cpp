@@ -156,8 +156,8 @@ TEST(V18_ThrownSand, momentum_against_the_impulse_on_facets) {
        {std::pair("linear", "none"), std::pair("gimp", "none"), std::pair("gimp", "mass_cutoff")}) {
     const bool hairlines = basis == std::string("gimp") && small_cuts == std::string("none");
     verify({.id = "V18",
-            .what = fmt::format("momentum of sand thrown at a floor and a wall by facets against "
-                                "the impulse, by the impulse, {}, small_cuts {}",
+            .what = fmt::format("momentum of sand thrown at a floor and a wall by facets minus the "
+                                "impulse, over the impulse, {}, small_cuts {}",
                                 basis, small_cuts),
             .exact = 0,
             .computed = momentum_error(thrown_sand(basis, small_cuts)),
@@ -196,8 +196,8 @@ void verify_energy(const std::string& surfaces, const std::string& where) {
       json["bodies"][0]["points_per_cell"] = points_per_cell;
       const bool over_cells = form == "linear";
       verify({.id = "V18",
-              .what = fmt::format("sand thrown at {} by facets, {}, {} points a "
-                                  "cell: energy gained, by that of throw and fall",
+              .what = fmt::format("sand thrown at {} by facets, {}, {} points a cell: energy "
+                                  "gained over that of throw and fall",
                                   where, form, points_per_cell),
               .exact = 0,
               .computed = energy_gained(json),

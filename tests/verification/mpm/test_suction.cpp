@@ -56,7 +56,7 @@ TEST(VW27_Suction, column_that_drains_at_its_base) {
     }
     const std::string what = fmt::format("column that drains at its base, {}, 20 cells: ", basis);
     verify({.id = "VW27",
-            .what = what + "largest error of the pressure, of that of the column",
+            .what = what + "largest error of the pressure over that of the column",
             .exact = 0,
             .computed = error,
             .measure = Measure::absolute_error,
@@ -69,7 +69,7 @@ TEST(VW27_Suction, column_that_drains_at_its_base) {
             .bound = 0.01,
             .unit = "kg/m"});
     verify({.id = "VW27",
-            .what = what + "what left and what is stored less, of what left",
+            .what = what + "water that left minus loss of stored water, over water that left",
             .exact = 0,
             .computed = (m_start - m_end - probe(*solver, "water_out")) / left,
             .measure = Measure::absolute_error,

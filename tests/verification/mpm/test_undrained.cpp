@@ -134,7 +134,7 @@ void expect_wave(const Bar& bar) {
           .computed = behind / count / stress,
           .bound = 0.005});
   verify({.id = "VW8",
-          .what = what + "displacement of the front, by momentum",
+          .what = what + "displacement of the front from the momentum",
           .exact = c * steps * dt,
           .computed = momentum / (saturated_density * h * v),
           // The fractional step is half a substep, 0.25 cells, ahead after a sudden push.

@@ -109,7 +109,7 @@ void period_row(const std::string& what, const Bar& bar, const Vibration& found)
 void loss_row(const std::string& what, const Vibration& found, double bound,
               const std::string& limitation = "") {
   verify({.id = "V7",
-          .what = what + ": energy loss by period",
+          .what = what + ": energy loss per period",
           .exact = 0,
           .computed = found.loss,
           .measure = Measure::absolute_error,
@@ -199,7 +199,7 @@ TEST(V7_VibratingBar, damping_of_the_transfer) {
   const double dt = bar.period() / steps_per_period;
   const auto found = vibrate<2>(bar, 4, steps_per_period);
   verify({.id = "V7",
-          .what = "energy loss by period against the theory of the transfer, MPM quad4",
+          .what = "energy loss per period against the theory of the transfer, MPM quad4",
           .exact = 0.75 * dt * kh * kh / 6 * omega * omega * bar.period(),
           .computed = (found.energy[2] - found.energy[4]) / found.energy[0] / 2,
           .bound = 0.06});  // the free end: 34, 18, 9 % with 10, 20, 40 cells
@@ -280,7 +280,7 @@ TEST(V7_VibratingBar, points_cross_many_cells) {
     const std::string what = "fixed-fixed bar, v0 = 1, crossing, 40 cells, MPM " + basis;
     const bool is_linear = basis == "linear";
     verify({.id = "V7",
-            .what = what + ": u in 2 periods, rms error by rms",
+            .what = what + ": u in 2 periods, rms error over rms",
             .exact = 0,
             .computed = std::sqrt(difference / size),
             .measure = Measure::absolute_error,

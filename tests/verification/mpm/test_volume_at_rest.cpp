@@ -103,12 +103,13 @@ void check_volume_at_rest(const std::string& type, const std::string& basis,
           .computed = rest.difference,
           .measure = Measure::absolute_error,
           .bound = 0.2});
-  verify({.id = "V21",
-          .what = "energy balance of a fallen column, by the work of gravity" + which,
-          .exact = 0,
-          .computed = probe(*solver, "energy_balance") / probe(*solver, "gravity_work"),
-          .measure = Measure::absolute_error,
-          .bound = 1e-3});
+  verify(
+      {.id = "V21",
+       .what = "error of the energy balance of a fallen column, over the work of gravity" + which,
+       .exact = 0,
+       .computed = probe(*solver, "energy_balance") / probe(*solver, "gravity_work"),
+       .measure = Measure::absolute_error,
+       .bound = 1e-3});
 }
 
 /// Pressure that alternates from cell to cell acts on splines half as much as on linear functions

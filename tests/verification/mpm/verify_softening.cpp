@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "tests/support/verification_row.hpp"
-#include "tests/unit/mpm/mpm_scene.hpp"
+#include "tests/verification/mpm/turned_layer.hpp"
 
 namespace gabion::test {
 namespace {
@@ -58,7 +58,7 @@ TEST(VA2_SlipSurface, does_the_same_work_in_all_cells) {
       residual * d + (peak - residual) * softening_slip * (1 - std::exp(-d / softening_slip));
   for (const double h : {0.2, 0.1, 0.05}) {
     verify({.id = "VA2",
-            .what = fmt::format("work of a slip of 0.5 m by its area, Tresca that softens, linear, "
+            .what = fmt::format("work over area of a slip of 0.5 m, Tresca that softens, linear, "
                                 "cells of {} m, layers of 4 and 2 m",
                                 h),
             .exact = exact,
@@ -136,6 +136,89 @@ TEST(VA6_StripFooting, bears_less_the_more_brittle_the_clay_is) {
           .bound = 0.065,
           .unit = "Pa",
           .limitation = "a cell beside the edge of the footing is carried along"});
+}
+
+/// Largest load of the whole footing over its area on clay whose axes are turned by 20 degrees
+/// against the grid [Pa]. @param cells  under half of the footing
+double largest_load_turned(const Footing& footing, int cells) {
+  const double E = 4e8;
+  const int steps = 40;
+  const TurnedLayer clay{.width = 8, .height = 2, .h = 1.0 / cells, .angle = M_PI / 9};
+  const double penalty = 1000 * E / clay.h;
+  Json material = elastic_soil("tresca", E, 0.49, 1000);
+  material["cohesion"] = peak;
+  if (footing.slip > 0) {
+    material["softening"] = {{"slip", footing.slip}, {"residual_cohesion", residual}};
+  }
+  mpm::MpmSolver<2> solver(
+      comm(),
+      clay.settings(
+          {{"dimension", 2},
+           {"analysis", "quasi_static"},
+           {"basis", "linear"},
+           {"grid", clay.grid()},
+           {"bodies", {body("soil", clay.mesh(), 4, material)}},
+           {"rigid_walls",
+            {clay.plate("footing", {{-1, 1}, {1, 1}}, {0, -footing.settlement / steps}, penalty),
+             clay.plate("base", {{4, -1}, {-4, -1}}, {0, 0}, penalty),
+             clay.plate("left", {{-4, -1}, {-4, 1}}, {0, 0}, penalty),
+             clay.plate("right", {{4, 1}, {4, -1}}, {0, 0}, penalty)}},
+           {"locking", {{"method", "fbar"}}},
+           {"newton", {{"max_iterations", 60}}},
+           {"linear_solver", {{"method", "lu"}}}}),
+      "");
+  double largest = 0;
+  for (int n = 1; n <= steps; ++n) {
+    run_steps(solver, 1, 1, n);
+    const Vector<2> force(probe(solver, "footing.fx"), probe(solver, "footing.fy"));
+    largest = std::max(largest, std::abs(force.dot(clay.across())) / 2);
+  }
+  return largest;
+}
+
+/// Cells that lie along the surface and cells that are turned by 20 degrees. Coarse cells bear more
+/// where they are turned, at any softening, as they cut the edges of the footing: that share is
+/// the same without softening, and falls with the cells.
+TEST(VA6_StripFooting, bears_as_much_on_turned_grids) {
+  const std::string what = "largest load of a footing of 2 m on clay that softens over {} m, ";
+  const double plastic = largest_load({0, 3e-3}, 8);
+  const double plastic_turned = largest_load_turned({0, 3e-3}, 8);
+  for (const Footing footing : {Footing{1e-4, 6e-4}, {1e-3, 1.2e-3}, {1e-2, 1.6e-3}, {0.1, 2e-3}}) {
+    verify({.id = "VA6",
+            .what = fmt::format(
+                fmt::runtime(what + "by that without softening, cells of 0.125 m: turned by 20 deg "
+                                    "against straight ones"),
+                footing.slip),
+            .exact = largest_load(footing, 8) / plastic,
+            .computed = largest_load_turned(footing, 8) / plastic_turned,
+            .bound = 0.05});
+  }
+  for (const Footing footing : {Footing{1e-4, 6e-4}, {1e-2, 1.6e-3}}) {
+    const double straight = largest_load(footing, 16), turned = largest_load_turned(footing, 16);
+    verify({.id = "VA6",
+            .what = fmt::format(
+                fmt::runtime(what + "cells of 0.0625 m: turned by 20 deg against straight ones"),
+                footing.slip),
+            .exact = straight,
+            .computed = turned,
+            .bound = 0.05,
+            .unit = "Pa"});
+    verify({.id = "VA6",
+            .what =
+                fmt::format(fmt::runtime(what + "cells of 0.125 m against 0.0625 m"), footing.slip),
+            .exact = straight,
+            .computed = largest_load(footing, 8),
+            .bound = 0.05,
+            .unit = "Pa"});
+    verify({.id = "VA6",
+            .what = fmt::format(
+                fmt::runtime(what + "turned by 20 deg: cells of 0.125 m against 0.0625 m"),
+                footing.slip),
+            .exact = turned,
+            .computed = largest_load_turned(footing, 8),
+            .bound = 0.05,
+            .unit = "Pa"});
+  }
 }
 
 /// Deposit of soft clay on a rough bed behind a smooth wall, at yield everywhere. The thrust of
