@@ -24,12 +24,17 @@ constexpr int name_length = 32;
 /// Open MPI listens on all network interfaces even when its processes share one machine, which then
 /// need no network. For a process that was started without mpirun it starts a daemon, in case that
 /// the process wants to start others; once in some thousand starts both wait for each other for
-/// ever (open-mpi/ompi issue 3818). A user's own choices stand.
+/// ever (open-mpi/ompi issue 3818). Without the daemon, all such processes share one folder of
+/// temporary files, which one removes while another starts; a process alone needs none. A user's
+/// own choices stand.
 void start_only_what_is_needed() {
   const char* all = std::getenv("OMPI_COMM_WORLD_SIZE");
   const char* here = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
   const bool alone = all == nullptr && here == nullptr;
-  if (alone) setenv("OMPI_MCA_ess_singleton_isolated", "1", /*overwrite=*/0);
+  if (alone) {
+    setenv("OMPI_MCA_ess_singleton_isolated", "1", /*overwrite=*/0);
+    setenv("OMPI_MCA_orte_create_session_dirs", "0", /*overwrite=*/0);
+  }
   if (alone || (all != nullptr && here != nullptr && std::strcmp(all, here) == 0)) {
     setenv("OMPI_MCA_btl", "^tcp,ofi", /*overwrite=*/0);
   }

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <set>
 
+#include "common/base/log.hpp"
 #include "liar.hpp"
 #include "protocol/participant/connection.hpp"
 #include "protocol/serve.hpp"
@@ -50,6 +51,7 @@ int serve_as(const std::string& name, const std::string& endpoint, const Misdeed
     test::FakeSolver solver(name == "soil", misdeed, pause);
     Connection connection(settings);
     solver.at("handshake");
+    log::start(name, log::Level::debug, true);  // says when the coupler has answered
     serve(solver, connection);
   } catch (const Error& problem) {
     std::puts(fmt::format("[{}] error: {}", name, problem.what()).c_str());

@@ -206,7 +206,7 @@ def play_coupler(run: Run) -> float:
     if announcer:
         run.wait_until(lambda: "strike" in run.text(announcer), "the phase")
     else:
-        run.wait_until(lambda: f'participant "{present[0]}"' in run.text("coupler"), "the hello")
+        run.wait_until(lambda: "connected to the coupler" in run.text(present[0]), "the welcome")
     struck = time.monotonic()
     coupler = run.processes["coupler"].pid
     os.kill(coupler, signal.SIGKILL if cell.kind == "killed" else signal.SIGSTOP)
