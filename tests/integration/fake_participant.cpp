@@ -82,5 +82,5 @@ int main(int argc, char** argv) {
   if (honest.contains(misdeed.kind) && version == protocol_version) {
     return serve_as(name, endpoint, misdeed, pause, connect_deadline);
   }
-  return test::Liar(endpoint, make_hello(name, version), misdeed).run();
+  return test::Liar(endpoint, make_hello(name, version), misdeed, connect_deadline).run();
 }

@@ -22,18 +22,20 @@ namespace gabion::test {
 /// In the phases before and after a solution it says it without being asked.
 class Liar {
  public:
-  Liar(const std::string& endpoint, Hello hello, Misdeed misdeed)
+  /// @param patience  for the answer to its hello [s]
+  Liar(const std::string& endpoint, Hello hello, Misdeed misdeed, double patience)
       : socket_(Socket::connect_dealer(make_socket_context(), endpoint,
                                        hello.participant + "#" + hello.session)),
         hello_(std::move(hello)),
         misdeed_(std::move(misdeed)),
+        patience_(patience),
         solver_(hello_.participant == "soil", {}, 0) {}
 
   /// Run until the coupler says "refused", "abort" (1) or "finish" (0), or nothing for long (3).
   int run() {
     if (misdeed_.kind == "refused_scene") hello_.scene_hash = "0123";
     say(to_message(hello_), "handshake");
-    const Message answer = receive(2);
+    const Message answer = receive(patience_);
     std::puts(fmt::format("{} {}", answer.type, answer.fields.dump()).c_str());
     std::fflush(stdout);
     if (answer.type != "welcome") return answer.type.empty() ? 3 : 1;
@@ -131,6 +133,7 @@ class Liar {
   Socket socket_;
   Hello hello_;
   Misdeed misdeed_;
+  double patience_;
   FakeSolver solver_;
 };
 

@@ -2,10 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Participants that do not fit the coupler are refused, with both values named."""
 
-import subprocess
-
 import launch
-from launch import IntegrationCase, free_endpoint, meeting
+from launch import IntegrationCase, Launch, free_endpoint, meeting
 
 
 class Handshake(IntegrationCase):
@@ -19,14 +17,14 @@ class Handshake(IntegrationCase):
         """Text of a coupler without solvers, and its answer to a foreign participant of this version."""
         endpoint = free_endpoint()
         coupler = self.start("--coupler", endpoint, programs=("coupler",))  # the soil does not come
-        fake = subprocess.run([launch.binaries / "fake_participant", "structure", endpoint, "--version", version],
-                              text=True, check=False,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=launch.TIMEOUT)
-        word = "welcome" if "welcome" in fake.stdout else "was refused"
-        if word not in fake.stdout:
-            coupler.wait_until(lambda: word in coupler.text(), "the coupler said so")
+        fake = Launch([str(launch.binaries / "fake_participant"), "structure", endpoint, "--version", version,
+                       "--connect-deadline", "50"], self.folder)
+        self.addCleanup(fake.end)
+        fake.wait_until(lambda: "welcome" in fake.text() or fake.process.poll() is not None, "an answer")
+        if "welcome" not in fake.text():
+            coupler.wait_until(lambda: "was refused" in coupler.text(), "the coupler said so")
         coupler.end()
-        return coupler.text(), fake.stdout
+        return coupler.text(), fake.text()
 
     def test_another_major_version_is_refused(self) -> None:
         said, answer = self.with_fake("2.0")
