@@ -20,6 +20,7 @@ class TimeFunction {
   }
 
   double at(double time) const;
+  const std::vector<double>& values() const { return values_; }  ///< of the rows
   /// Whether the value never changes again from `time` on.
   bool constant_after(double time) const;
 

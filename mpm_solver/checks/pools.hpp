@@ -6,7 +6,7 @@
 namespace gabion::mpm {
 
 /// Refuse what pools cannot do as yet: soil whose water does not drain, boulders, gravity along
-/// other than the last axis.
+/// other than the last axis. Warns of walls between pools that lean over water.
 /// @throws ConfigError
 template <int dim>
 void check_pools(const ConfigReader& in, const MpmSettings<dim>& settings);

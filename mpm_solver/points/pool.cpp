@@ -12,7 +12,9 @@ KeyTable pool_keys() {
       "pool",
       "Free water at rest beside and over soil whose pore water drains: it presses on all that is "
       "below its level, and feeds the free surface of the soil there. Between pools the level is "
-      "interpolated along x; a dry side is a pool whose level is below the soil.",
+      "interpolated along x; a dry side is a pool whose level is below the soil. A wall between "
+      "pools of unequal levels has to be upright or slope outward: water below a face that leans "
+      "over it has the level of its own x.",
       {key::number("level", "m", "Height of its surface, constant.").or_none(),
        time_table_key("m",
                       "Rows [t, level], t increasing, linear between rows and constant before and "

@@ -308,5 +308,32 @@ TEST(Pools, settings_that_are_refused) {
   expect_error<ConfigError>([&] { read(json); }, {"/bodies/0/water", "permeability", "pools"});
 }
 
+/// A wall of 0.1 m, whose top is off by `lean`, with pools that end at `to` and begin 0.02 m
+/// beyond.
+/// @returns what reading it says
+std::string said_of_wall(double lean, double left, double right, double to = 0.54) {
+  Json json = flooded_box(1);
+  json["pools"] = {{{"level", left}, {"to", to}}, {{"level", right}, {"from", to + 0.02}}};
+  const Json corners = {{0.6, 1}, {0.6 + lean, 2}, {0.5 + lean, 2}, {0.5, 1}, {0.6, 1}};
+  json["rigid_walls"] = {
+      {{"name", "gate"}, {"surface", {{"polyline", corners}, {"spacing", 0.1}}}}};
+  testing::internal::CaptureStderr();
+  read(json);
+  return testing::internal::GetCapturedStderr();
+}
+
+/// Below a face that leans over water the level of a pool would be that of the other side.
+TEST(Pools, wall_that_leans_between_pools_is_named) {
+  for (const double lean : {-0.3, -0.04, 0.04, 0.3}) {
+    expect_parts(said_of_wall(lean, 1.5, 1.2),
+                 {"/rigid_walls/0/surface", "\"gate\" leans over water", "between pools 0 and 1"});
+  }
+  const std::string upright = said_of_wall(0, 1.5, 1.2), nearly = said_of_wall(1e-4, 1.5, 1.2),
+                    dry = said_of_wall(0.3, 1, 1), in_one_pool = said_of_wall(0.3, 1.5, 1.2, 5);
+  for (const std::string& said : {upright, nearly, dry, in_one_pool}) {
+    EXPECT_EQ(said.find("leans"), std::string::npos) << said;
+  }
+}
+
 }  // namespace
 }  // namespace gabion::test::test_pools
