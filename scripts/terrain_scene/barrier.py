@@ -29,9 +29,11 @@ def mitred(line: np.ndarray, thickness: float) -> np.ndarray:
     lengths = np.linalg.norm(along, axis=1)
     left = np.column_stack([-along[:, 1], along[:, 0]]) / lengths[:, None]
     ways = [left[0]]
-    for before, after in zip(left[:-1], left[1:]):
+    for k, (before, after) in enumerate(zip(left[:-1], left[1:]), 1):
         if before @ after < 0.5:
-            raise TerrainError("barrier/line: found a corner of more than 60 degrees, allowed: smaller ones")
+            x, y = line[k]
+            raise TerrainError(f"barrier/line/{k}: found a turn by {np.degrees(np.arccos(before @ after)):.0f} degrees at "
+                               f"({x:.9g}, {y:.9g}), allowed: up to 60 degrees; two corners make a sharper one")
         ways.append((before + after) / (1 + before @ after))
     return np.array([*ways, left[-1]]) * thickness / 2
 

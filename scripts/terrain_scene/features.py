@@ -62,6 +62,11 @@ class Features:
     features: list[Feature]
     notes: list[str] = field(default_factory=list)
 
+    def place(self) -> np.ndarray:
+        """One place of its first feature."""
+        part = self.features[0].parts[0]
+        return (part.rings[0] if isinstance(part, Outline) else part)[0]
+
 
 def open_layer(source: str, folder: Path) -> tuple[Path, object, object]:
     """Path, GDAL's dataset (its layers live as long) and layer. @raises TerrainError"""

@@ -3,6 +3,7 @@
 
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -91,6 +92,13 @@ def chosen(changes: dict, key: str, scene: Path) -> Path | None:
     return scene / changes[key] if isinstance(changes.get(key), str) else None
 
 
+def rows_or_file(changes: dict, key: str, scene: Path, of_folder: Callable[[], Path]) -> list | str:
+    """What the plan has under a key: rows or a file of the command line, else the file of the folder."""
+    if isinstance(changes.get(key), list):
+        return changes[key]
+    return named(chosen(changes, key, scene) or of_folder(), scene)
+
+
 def named(path: Path, scene: Path) -> str:
     """The path as the plan in the folder of the scene names it."""
     return os.path.relpath(path.resolve(), scene.resolve())
@@ -103,12 +111,15 @@ def cell_for(slope: Raster, depth: float) -> float:
 def slide_of(base: Path, scene: Path, changes: dict, slope: Raster, maps: MapInputs) -> tuple[dict, np.ndarray, float]:
     """Keys of the slide, cells of the slope from which it starts n x 2, and its smallest depth, which has to be
     resolved [m]."""
-    polygons = chosen(changes, "polygon", scene) or only(files_in(base / "REL", SHAPES), "release", "slide/polygon",
-                                                         base)
-    values = {"polygon": named(polygons, scene)} | {key: changes[key] for key in ("material",) if key in changes}
+    polygons = rows_or_file(changes, "polygon", scene,
+                            lambda: only(files_in(base / "REL", SHAPES), "release", "slide/polygon", base))
+    values = {"polygon": polygons} | {key: changes[key] for key in ("material",) if key in changes}
     rasters = files_in(base / "RELTH", RASTERS)
     reader = Reader(values, str(base), None)
     outlines, features = maps.outlines(reader, "polygon")
+    if not features and (isinstance(changes.get("depth"), dict) or "depth" not in changes and not rasters):
+        raise TerrainError(f"{base}: found a polygon of numbers, which have no depth, allowed: with --set "
+                           "slide/depth=NUMBER or =RASTER")
     if "depth" in changes or not rasters:
         values["depth"] = changes.get("depth") or {"field": key_of(features[0].values, DEPTH, features[0].where),
                                                    "across_slope": True}
@@ -128,7 +139,7 @@ def slide_of(base: Path, scene: Path, changes: dict, slope: Raster, maps: MapInp
     places = np.stack(np.meshgrid(*near), axis=-1).reshape(-1, 2)
     inside = np.any([outline.contains(places) for outline in outlines], axis=0)
     if not inside.any():
-        raise TerrainError(f"{polygons}: found no cell of the slope inside, from ({low[0]:.9g}, {low[1]:.9g}) to "
+        raise TerrainError(f"{base}/slide/polygon: found no cell of the slope inside, from ({low[0]:.9g}, {low[1]:.9g}) to "
                            f"({high[0]:.9g}, {high[1]:.9g}); {slope.reach()}")
     return values, places[inside], min(depths)
 
@@ -155,9 +166,11 @@ def barrier_of(base: Path, scene: Path, changes: dict, notes: list[str]) -> dict
         return None
     if not isinstance(asked, dict):
         raise TerrainError(f"--set barrier={asked}: allowed: null, or its keys one by one")
-    line = chosen(asked, "line", scene) or only(lines, "barrier", "barrier/line", base)
-    notes.append(f"barrier: an upright wall along {line}; heights of the line and slope of its faces are not used")
-    return {**asked, "line": named(line, scene)}
+    line = rows_or_file(asked, "line", scene, lambda: only(lines, "barrier", "barrier/line", base))
+    if isinstance(line, str):
+        notes.append(f"barrier: an upright wall along {os.path.relpath(scene / line)}; heights of the line and slope of "
+                     "its faces are not used")
+    return {**asked, "line": line}
 
 
 def size_of(values: dict, time: dict, slope: Raster, mass: tuple[np.ndarray, float], line: np.ndarray) -> list[str]:

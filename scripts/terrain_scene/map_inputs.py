@@ -27,7 +27,7 @@ class MapInputs:
         except TerrainError as error:
             raise TerrainError(f"{reader.where}/{key}: {error}") from error
         if self.projection is None and found.projection is not None:
-            require_metres(found.projection, f"{reader.where}/{key}: {found.path}")
+            require_metres(found.projection, found.place(), f"{reader.where}/{key}: {found.path}")
             self.projection = found.projection
         self.notes += found.notes
         return found
@@ -80,7 +80,8 @@ def settle_projection(reader: Reader, slope: Raster) -> str | None:
                                "allowed: one of them")
         slope.projection = named
     if slope.projection is not None and has_gdal():
-        require_metres(slope.projection, f"{reader.where}/slope: {slope.path}")
+        middle = np.reshape(slope.limits(), (2, 2)).mean(axis=0)
+        require_metres(slope.projection, middle, f"{reader.where}/slope: {slope.path}")
     require_named_gaps(slope, f"{reader.where}/slope")
     require_gentle(slope, f"{reader.where}/slope")
     return slope.projection

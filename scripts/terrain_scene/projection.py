@@ -38,13 +38,56 @@ def text_of_prj(text: str) -> str:
     return reference(text, "a projection").ExportToWkt(["FORMAT=WKT1_ESRI"])
 
 
-def require_metres(text: str, where: str) -> None:
-    """@raises TerrainError  a projection in degrees, feet, ..."""
+def require_metres(text: str, place: np.ndarray, where: str) -> None:
+    """place: of the map, two coordinates.
+
+    @raises TerrainError  a projection in degrees or feet, from the centre of the earth, or whose metres are there not
+    those on the ground, as of web maps, where they are 1 / cos(latitude) too long
+    """
     found = reference(text, where)
-    if found.IsGeographic() or abs(found.GetLinearUnits() - 1) > 1e-12:
-        unit = "degrees" if found.IsGeographic() else found.GetLinearUnitsName()
-        raise TerrainError(f"{where}: found the projection {found.GetName()} in {unit}, allowed: one in metres; "
-                           "gdalwarp -t_srs EPSG:NUMBER turns a raster into another one")
+    fault = ""
+    if found.IsGeocentric():
+        fault = "from the centre of the earth"
+    elif found.IsGeographic():
+        fault = "in degrees"
+    elif abs(found.GetLinearUnits() - 1) > 1e-12:
+        fault = f"in {found.GetLinearUnitsName()}"
+    else:
+        longest = max(scales_of(found, place, where), key=lambda scale: abs(np.log(scale)), default=1)
+        if abs(np.log(longest)) > TRUE:
+            fault = f"whose metre is {1 / longest:.3g} m on the ground"
+    if fault:
+        raise TerrainError(f"{where}: found the projection {found.GetName()} {fault}, allowed: one in metres on the "
+                           "ground; gdalwarp -t_srs EPSG:NUMBER turns a raster into another one")
+
+
+TRUE = 0.01  # relative error of lengths that a map may have; those of national and UTM grids have less
+
+
+def scales_of(found, place: np.ndarray, where: str) -> list[float]:
+    """Metres of the map over metres on the ellipsoid, along the axes of the map; empty: the projection has no ellipsoid.
+
+    @raises TerrainError  the place is nowhere on the globe
+    """
+    _, _, osr = load_gdal(where)
+    globe = found.CloneGeogCS()
+    if not found.IsProjected() or globe is None:
+        return []
+    globe.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
+    step = 100.0
+    places = place + step * np.array([(0, 0), (1, 0), (0, 1)])
+    try:
+        there = np.radians(np.array(osr.CoordinateTransformation(found, globe).TransformPoints(places))[:, :2])
+    except RuntimeError as error:
+        raise TerrainError(f"{where}: found ({place[0]:.9g}, {place[1]:.9g}), which has no place in the projection "
+                           f"{found.GetName()}: {error}") from error
+    radius, flattening = globe.GetSemiMajor(), 1 / (globe.GetInvFlattening() or np.inf)
+    eccentricity = flattening * (2 - flattening)  # squared
+    latitude = there[0, 1]
+    across = radius / np.sqrt(1 - eccentricity * np.sin(latitude) ** 2)  # radius of curvature, east
+    along = across * (1 - eccentricity) / (1 - eccentricity * np.sin(latitude) ** 2)  # north
+    offsets = there[1:] - there[0]
+    return list(step / np.hypot(across * np.cos(latitude) * offsets[:, 0], along * offsets[:, 1]))
 
 
 def turned(places: np.ndarray, source: str, target: str, where: str) -> np.ndarray:

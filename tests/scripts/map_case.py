@@ -66,12 +66,12 @@ class MapCase(ScriptCase):
         return path
 
     def slope(self, name: str = "slope.tif", number: int | None = LAMBERT, spacing: float = 2.0, bands: int = 1,
-              kind: int = gdal.GDT_Float64) -> Path:
+              kind: int = gdal.GDT_Float64, south: float = SOUTH) -> Path:
         """40 x 24 values on a plane that falls to the east."""
         path = self.folder / name
         x, y = np.meshgrid(np.arange(40), np.arange(24))
         data = gdal.GetDriverByName("GTiff").Create(str(path), 40, 24, bands, kind)
-        data.SetGeoTransform((WEST, spacing, 0, SOUTH + 24 * spacing, 0, -spacing))
+        data.SetGeoTransform((WEST, spacing, 0, south + 24 * spacing, 0, -spacing))
         if number is not None:
             data.SetProjection(system(number).ExportToWkt())
         data.GetRasterBand(1).WriteArray((700 - 0.8 * x + 0.2 * y)[::-1])

@@ -5,10 +5,12 @@ import contextlib
 import importlib.machinery
 import importlib.util
 import io
+import resource
 import subprocess
 import sys
 import tempfile
 import unittest
+from collections.abc import Iterator
 from pathlib import Path
 from unittest import mock
 
@@ -40,6 +42,16 @@ class ScriptCase(unittest.TestCase):
               mock.patch.object(sys, "argv", argv)):
             code = module.main()
         return subprocess.CompletedProcess(argv, code, out.getvalue(), errors.getvalue())
+
+    @contextlib.contextmanager
+    def full_disk(self, room: int) -> Iterator[None]:
+        """Files of this process may have so many bytes: writing more fails as on a full disk."""
+        limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
 
     def write(self, path: str, text: str) -> Path:
         file = self.folder / path

@@ -67,9 +67,29 @@ class Layout(MapCase):
         (self.scene / "mpm.json").unlink()
         self.assertIn("has a scene already, with plan.json", self.terrain(*self.asked)[1])
 
+    def test_places_on_the_command_line(self) -> None:
+        """Rows of numbers instead of files: the scene is that of the files with these numbers."""
+        self.assertEqual(self.terrain(*self.asked, "--set", "slide/depth=1")[0], 0)
+        of_files = json.loads((self.scene / "plan.json").read_text())
+        self.vector("Inputs/DAM/dam.shp", [(f"LINESTRING ({WEST + 70} {SOUTH + 2}, {WEST + 70} {SOUTH + 40})", {})])
+        self.vector("Inputs/DAM/other.shp", [(f"LINESTRING ({WEST + 60} {SOUTH + 2}, {WEST + 60} {SOUTH + 40})", {})])
+        self.vector("Inputs/REL/other.shp", [(f"POLYGON ({square(50, 5, 10)})", {})])
+        rows = [[float(x) for x in corner.split()] for corner in square(8, 14, 10).strip("()").split(",")][:-1]
+        line = [[WEST + 40, SOUTH + 12], [WEST + 40, SOUTH + 30]]
+        set_rows = (*self.asked, "--set", f"barrier/line={line}", "--set", f"slide/polygon={rows}", "--replace")
+        code, said = self.terrain(*set_rows, "--set", "slide/depth=1")
+        self.assertEqual(code, 0, said)
+        self.assertNotIn("heights of the line", said)
+        plan = json.loads((self.scene / "plan.json").read_text())
+        self.assertEqual((plan["barrier"]["line"], plan["slide"]["polygon"]), (line, rows))
+        for key in ("area", "time", "clear_height", "cell_size"):
+            self.assertEqual(plan[key], of_files[key], key)
+        self.assertIn("a polygon of numbers, which have no depth", self.terrain(*set_rows)[1])
+
     def test_what_the_folder_does_not_say(self) -> None:
         code, said = self.terrain()
         self.assertEqual(code, 2)
+        self.assertFalse(self.scene.exists())  # nothing is left of what was refused
         self.assertIn("--set friction=NUMBER --set barrier/height=NUMBER --set barrier/thickness=NUMBER; without the "
                       "barrier: --set barrier=null", said)
         self.assertIn("says nothing of friction", self.terrain("--set", "barrier=null")[1])

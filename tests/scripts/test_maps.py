@@ -139,6 +139,11 @@ class Projections(MapCase):
         self.refused("/slope: ", "in US survey foot, allowed: one in metres")
         self.slope(number=4326, spacing=1e-4)
         self.refused("/slope: ", "WGS 84 in degrees, allowed: one in metres")
+        for number in (3857, 3395):  # of web maps, and Mercator's own: metres are long, away from the equator
+            self.slope(number=number, south=6e6)
+            self.refused("/slope: ", "Mercator whose metre is 0.6", "allowed: one in metres on the ground")
+        self.slope(number=4978)
+        self.refused("/slope: ", "WGS 84 from the centre of the earth")
         self.slope(number=None, spacing=1e-4)
         self.refused("/slope: ", "heights that differ by", "look like degrees")
 

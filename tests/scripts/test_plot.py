@@ -322,6 +322,12 @@ class Drawing(ScriptCase):
                 self.assertIn(f"--times: found {time}, allowed: 0 to 0.5 s", result.stderr)
         self.assertFalse((folder / "plots").exists())
 
+    def test_full_disk(self) -> None:
+        folder = made_up.write_results(self.folder / "a")
+        with self.full_disk(3000):
+            result = self.python_script("plot", folder)
+        self.assertEqual((result.returncode, result.stderr), (2, f"scripts/plot: {folder}/plots: File too large\n"))
+
     def test_empty_folder(self) -> None:
         result = self.python_script("plot", self.folder)
         self.assertEqual(result.returncode, 2)

@@ -166,6 +166,17 @@ class Pages(ReportCase):
         self.assertEqual(list(self.folder.iterdir()), [])
         self.assertIn("no such results folder", self.python_script("report", self.folder / "none").stderr)
 
+    def test_a_full_disk(self) -> None:
+        """The page is whole or it is that of before."""
+        write_results(self.folder)
+        page = self.write("report.html", "an earlier page")
+        before = sorted(self.folder.iterdir())
+        with self.full_disk(5000):
+            done = self.python_script("report", self.folder)
+        self.assertEqual((done.returncode, done.stderr), (2, f"scripts/report: [Errno 27] File too large: '{page}'\n"))
+        self.assertEqual(page.read_text(), "an earlier page")
+        self.assertEqual(sorted(self.folder.iterdir()), before)
+
 
 class Data(ReportCase):
     def test_curves(self) -> None:
