@@ -2,7 +2,9 @@
 """Least squares of parameters of a law against tests of a laboratory, and how well the tests determine each of them."""
 
 import tempfile
+from collections.abc import Collection
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +58,7 @@ class Model:
         curves = self.curves(z, test, folder)
         if curves is None:
             return None
+        require_columns(test, curves, curves)
         x, at = curves[test.over], test.measured.columns[test.over]
         if not (np.diff(x) > 0).all():
             raise ElementError(f"{test.name}: {test.over} of the model does not ascend, "
@@ -68,11 +71,43 @@ class Model:
                                for column in test.fitted])
 
 
+CONSTANT = 1e-6  # share of the measured range by which a curve has to change
+POOR = 0.2  # misfit over the range of a curve beyond which the law does not follow it
+
+
+WITHIN = (0.3, 0.5, 0.7)  # where in the bounds the curves of a test are looked at
+
+
+def require_columns(test: LabTest, curves: Collection[str], allowed: Collection[str]) -> None:
+    """@raises ElementError  a column is not one of these curves"""
+    for name in (test.over, *test.fitted):
+        if name not in curves:
+            what = "does not change" if name in allowed else "is not known"
+            raise ElementError(f"{test.measured.path}: found the column {name}, which {what} in the test {test.name} "
+                               f"({test.test}), allowed: {', '.join(name for name in allowed if name in curves)}"
+                               + ("; slip needs \"band_width\"" if name == "slip" else ""))
+
+
+def require_answers(plan: CalibrationPlan, model: Model) -> None:
+    """@raises ElementError  a test keeps a column as it is, whatever the parameters"""
+    for test in plan.tests:
+        changing, known = set(), set()
+        for z in WITHIN:
+            with tempfile.TemporaryDirectory() as folder:
+                curves = model.curves(np.full(len(plan.sought), z), test, Path(folder)) or {}
+            known |= curves.keys()
+            changing |= {name for name, curve in curves.items() if np.ptp(curve) > CONSTANT * max(
+                test.scale(name) if name in test.measured.columns else 0, np.finfo(float).tiny)}
+        if known:  # else the search says why
+            require_columns(test, changing, sorted(known))
+
+
 def calibrate(plan: CalibrationPlan, model: Model) -> Fit:
     """Samples over the whole box, the best of them polished.
 
-    @raises ElementError  no sample has an answer
+    @raises ElementError  no sample has an answer, or a test none to a column
     """
+    require_answers(plan, model)
     how = Search(plan.samples, plan.polished, plan.seed, OUTLIER if plan.robust else None)
     try:
         best = search(plan.sought, model, how)[0]
@@ -80,9 +115,15 @@ def calibrate(plan: CalibrationPlan, model: Model) -> Fit:
             raise ElementError(f"no minimum in {how.evaluations} evaluations; narrower bounds or fewer parameters may "
                                "help")
         (r,) = model.misfits([best.z])
-        return evaluate(plan.sought, r, slopes_at(plan.sought, model, best.z, how.step), best.z, JUDGE)
+        fit = evaluate(plan.sought, r, slopes_at(plan.sought, model, best.z, how.step), best.z, JUDGE)
+        return replace(fit, remarks=[*fit.remarks, *remarks_on_curves(misfit_of_curves(plan, fit))])
     except FitError as error:
         raise ElementError(str(error)) from error
+
+
+def remarks_on_curves(misfits: dict[str, float]) -> list[str]:
+    return [f"{name}: the law misses the curve by {100 * misfit:.0f} % of its range, whatever the parameters: the "
+            "values above do not describe this soil" for name, misfit in misfits.items() if misfit > POOR]
 
 
 def misfit_of_curves(plan: CalibrationPlan, fit: Fit) -> dict[str, float]:

@@ -32,8 +32,9 @@ def mitred(line: np.ndarray, thickness: float) -> np.ndarray:
     for k, (before, after) in enumerate(zip(left[:-1], left[1:]), 1):
         if before @ after < 0.5:
             x, y = line[k]
-            raise TerrainError(f"barrier/line/{k}: found a turn by {np.degrees(np.arccos(before @ after)):.0f} degrees at "
-                               f"({x:.9g}, {y:.9g}), allowed: up to 60 degrees; two corners make a sharper one")
+            turn = np.degrees(np.arccos(before @ after))
+            raise TerrainError(f"barrier/line/{k}: found a turn by {turn:.0f} degrees at ({x:.9g}, {y:.9g}), "
+                               "allowed: up to 60 degrees; two corners make a sharper one")
         ways.append((before + after) / (1 + before @ after))
     return np.array([*ways, left[-1]]) * thickness / 2
 

@@ -139,8 +139,8 @@ def slide_of(base: Path, scene: Path, changes: dict, slope: Raster, maps: MapInp
     places = np.stack(np.meshgrid(*near), axis=-1).reshape(-1, 2)
     inside = np.any([outline.contains(places) for outline in outlines], axis=0)
     if not inside.any():
-        raise TerrainError(f"{base}/slide/polygon: found no cell of the slope inside, from ({low[0]:.9g}, {low[1]:.9g}) to "
-                           f"({high[0]:.9g}, {high[1]:.9g}); {slope.reach()}")
+        raise TerrainError(f"{base}/slide/polygon: found no cell of the slope inside, from ({low[0]:.9g}, "
+                           f"{low[1]:.9g}) to ({high[0]:.9g}, {high[1]:.9g}); {slope.reach()}")
     return values, places[inside], min(depths)
 
 
@@ -168,8 +168,8 @@ def barrier_of(base: Path, scene: Path, changes: dict, notes: list[str]) -> dict
         raise TerrainError(f"--set barrier={asked}: allowed: null, or its keys one by one")
     line = rows_or_file(asked, "line", scene, lambda: only(lines, "barrier", "barrier/line", base))
     if isinstance(line, str):
-        notes.append(f"barrier: an upright wall along {os.path.relpath(scene / line)}; heights of the line and slope of "
-                     "its faces are not used")
+        notes.append(f"barrier: an upright wall along {os.path.relpath(scene / line)}; heights of the line and slope "
+                     "of its faces are not used")
     return {**asked, "line": line}
 
 

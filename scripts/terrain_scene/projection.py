@@ -65,7 +65,7 @@ TRUE = 0.01  # relative error of lengths that a map may have; those of national 
 
 
 def scales_of(found, place: np.ndarray, where: str) -> list[float]:
-    """Metres of the map over metres on the ellipsoid, along the axes of the map; empty: the projection has no ellipsoid.
+    """Metres of the map over metres on the ellipsoid, along the axes of the map; empty: there is no ellipsoid.
 
     @raises TerrainError  the place is nowhere on the globe
     """

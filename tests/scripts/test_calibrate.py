@@ -52,6 +52,26 @@ class Calibrations(ElementCase):
         self.misfit = misfit_of_curves(plan, fit)
         return fit
 
+    def test_columns_that_the_test_does_not_answer(self) -> None:
+        """A shear angle in a triaxial test, a volume in an undrained one: no parameter changes them."""
+        test = self.laboratory(2e5)
+        head, *rows = (self.folder / test["lab"]).read_text().splitlines()[1:]
+        for column, more, words in (("gamma[-]", {}, "gamma, which does not change in the test"),
+                                    ("eps_v[-]", {"undrained": True}, "eps_v, which does not change in the test"),
+                                    ("slip[mm]", {}, "slip, which is not known in the test")):
+            added = [f"{row},{k}" for k, row in enumerate(rows)]
+            self.write("more.csv", "\n".join([f"{head},{column}", *added]) + "\n")
+            with self.assertRaisesRegex(ElementError, f"more.csv: found the column {words} .*triaxial.*allowed: .*q"):
+                self.fit([test | {"lab": "more.csv"} | more], FRICTION)
+
+    def test_a_law_that_misses_the_curve(self) -> None:
+        """Perfectly plastic soil against a curve with a peak: the fit is no description of it."""
+        test = self.laboratory(2e5)
+        text = "eps_a[%],q[kPa]\n" + "".join(f"{x:g},{600 * x * np.exp(1 - x):g}\n" for x in np.linspace(0.1, 6, 25))
+        self.write("peak.csv", text)
+        remarks = self.fit([test | {"lab": "peak.csv"}], FRICTION | STIFFNESS).remarks
+        self.assertTrue(any("misses the curve by" in remark for remark in remarks), remarks)
+
     def test_exact_data_give_the_parameters(self) -> None:
         fit = self.fit([self.laboratory(5e4), self.laboratory(2e5)], FRICTION | STIFFNESS)
         for name, key in (("phi", "friction_angle"), ("c", "cohesion"), ("E", "young_modulus")):
