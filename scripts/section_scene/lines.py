@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from terrain_scene.map_inputs import require_ground
 from terrain_scene.raster import TerrainError
 from terrain_scene.reader import Reader
 
@@ -84,6 +85,7 @@ def cut_ground(reader: Reader, folder: Path) -> Line:
     x is the distance along the line from its first point.
     """
     raster, rows = reader.raster("slope", folder), reader.rows("line", 2)
+    require_ground(raster, f"{reader.where}/slope")
     lengths = np.linalg.norm(np.diff(rows, axis=0), axis=1)
     if not (lengths > 0).all():
         k = int(np.argmin(lengths)) + 1

@@ -102,9 +102,10 @@ class Plan:
 def read_layers(reader: Reader, ground: Line, notes: list[str]) -> list[Layer]:
     layers: list[Layer] = []
     for each in reader.children("layers", LAYER):
-        name = "_".join(each.text("name", "a name").split())
-        if name in ("slide", *(layer.name for layer in layers)):
-            raise TerrainError(f"{each.where}/name: found {name}, which another mass has, allowed: a name of its own")
+        name = each.name()
+        if name in ("slide", "wall", *(layer.name for layer in layers)):
+            raise TerrainError(f"{each.where}/name: found {name}, which another mass or the wall has, allowed: a name of "
+                               "its own")
         k0 = each.values.get("k0",
                              "jaky" if "material" not in each.values or "friction_angle" in each.values["material"]
                              else "elastic")
@@ -185,7 +186,7 @@ def read_wall(reader: Reader, ground: Line, plan: tuple[float, float, bool], not
 
 
 def read_gauges(reader: Reader, ground: Line) -> list[Gauge]:
-    gauges = [Gauge(each.text("name", "a name"), each.real("at", "a place x [m]"), each.number("height"))
+    gauges = [Gauge(each.name(), each.real("at", "a place x [m]"), each.number("height"))
               for each in reader.children("gauges", GAUGE)]
     for k, gauge in enumerate(gauges):
         if gauge.name in [other.name for other in gauges[:k]]:

@@ -79,12 +79,17 @@ def settle_projection(reader: Reader, slope: Raster) -> str | None:
             raise TerrainError(f"{where}: found {name_of(named)}, {slope.path} names {name_of(slope.projection)}, "
                                "allowed: one of them")
         slope.projection = named
+    require_ground(slope, f"{reader.where}/slope")
+    return slope.projection
+
+
+def require_ground(slope: Raster, where: str) -> None:
+    """@raises TerrainError  a raster that cannot be heights over sides, both in metres"""
     if slope.projection is not None and has_gdal():
         middle = np.reshape(slope.limits(), (2, 2)).mean(axis=0)
-        require_metres(slope.projection, middle, f"{reader.where}/slope: {slope.path}")
-    require_named_gaps(slope, f"{reader.where}/slope")
-    require_gentle(slope, f"{reader.where}/slope")
-    return slope.projection
+        require_metres(slope.projection, middle, f"{where}: {slope.path}")
+    require_named_gaps(slope, where)
+    require_gentle(slope, where)
 
 
 def has_gdal() -> bool:
@@ -112,9 +117,9 @@ def require_named_gaps(slope: Raster, where: str) -> None:
 
 
 def require_gentle(slope: Raster, where: str) -> None:
-    """@raises TerrainError  heights in metres over sides that cannot be: a raster in degrees"""
+    """@raises TerrainError  heights in metres over sides that cannot be: sides in degrees, heights in centimetres"""
     low_x, low_y, high_x, high_y = slope.limits()
     rise, side = np.nanmax(slope.values) - np.nanmin(slope.values), max(high_x - low_x, high_y - low_y)
     if rise > STEEPEST * side:
         raise TerrainError(f"{where}: {slope.path}: found heights that differ by {rise:.4g} m over {side:.4g}, "
-                           "allowed: sides in metres; they look like degrees")
+                           "allowed: both in metres; the sides look like degrees, or the heights like centimetres")

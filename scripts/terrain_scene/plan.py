@@ -14,7 +14,7 @@ from .map_inputs import MapInputs, settle_projection
 from .outline import Outline, limits_of
 from .projection import require_same
 from .raster import Raster, TerrainError
-from .reader import Reader
+from .reader import NAME, Reader, without_blanks
 
 SOIL = {"law": "mohr_coulomb", "density": 1800, "young_modulus": 5e6, "poisson_ratio": 0.3, "friction_angle": 33}
 CONCRETE = {"law": "neo_hookean", "density": 2500, "young_modulus": 3e10, "poisson_ratio": 0.2}
@@ -171,7 +171,7 @@ def require_two(line: np.ndarray, where: str) -> np.ndarray:
 def read_gauges(reader: Reader, maps: MapInputs) -> list[Gauge]:
     """A list, or an object with a file of lines."""
     if not isinstance(reader.values.get("gauges"), dict):
-        return [Gauge(each.text("name", "a name"), require_two(maps.line(each, "line"), f"{each.where}/line"),
+        return [Gauge(each.name(), require_two(maps.line(each, "line"), f"{each.where}/line"),
                       each.number("height")) for each in reader.children("gauges", GAUGE)]
     child = reader.child("gauges", GAUGES)
     child.text("lines", "the name of a file of lines")
@@ -193,7 +193,11 @@ def name_in(reader: Reader, feature: Feature) -> str:
     """The attribute that the key `name` names, by default `name`. Names of the programs have no spaces."""
     name = reader.text("name", "the name of an attribute") if "name" in reader.values else "name"
     try:
-        return "_".join(feature.text(key_of(feature.values, name, feature.where)).split())
+        text = feature.text(key_of(feature.values, name, feature.where))
+        found = without_blanks(text)
+        if found is None:
+            raise TerrainError(f"{feature.where}: {name}: found {text!r}, allowed: {NAME}")
+        return found
     except TerrainError as error:
         raise TerrainError(f"{reader.where}/name: {error}") from error
 

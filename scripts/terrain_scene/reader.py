@@ -1,12 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Objects of a JSON file, read strictly."""
 
+import re
 from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
 
 from .raster import Raster, TerrainError, read_raster
+
+NAME = "letters from A to z, digits, _ and -"  # of what a name of the programs consists
+
+
+def without_blanks(text: str) -> str | None:
+    """A name with _ for blanks; None: the programs do not take it."""
+    name = "_".join(text.split())
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else None
 
 
 class Reader:
@@ -66,6 +75,13 @@ class Reader:
         if not isinstance(value, str) or not value:
             raise self.fail(key, allowed)
         return value
+
+    def name(self, key: str = "name") -> str:
+        """A name as the programs take it, and as a file may have it; blanks become _."""
+        name = without_blanks(self.text(key, NAME))
+        if name is None:
+            raise self.fail(key, NAME)
+        return name
 
     def raster(self, key: str, folder: Path) -> Raster:
         name = self.text(key, "the name of a raster")

@@ -137,6 +137,17 @@ class Areas(SectionCase):
         self.assertLess(np.abs(made.masses[0].nodes).max(), 100)  # local coordinates
         self.refused("ground/line", "(5, 41)", ground=ground | {"line": [[5, 5], [5, 45]]}, layers=layers)
         self.refused("ground/line/1", "again", ground=ground | {"line": [[5, 5], [5, 5], [9, 9]]}, layers=layers)
+        text = (self.folder / "dem.asc").read_text()
+        for name, values, words in (("feet", "2225", "in US survey foot"), ("degrees", "4326", "WGS 84 in degrees"),
+                                    ("web", "3857", "whose metre is 0.")):
+            self.write(f"{name}.asc", text.replace("yllcorner 0", "yllcorner 6e6"))
+            self.write(f"{name}.prj", f"EPSG:{values}")
+            self.refused("ground/slope", words, ground=ground | {"slope": f"{name}.asc"}, layers=layers)
+        self.write("gap.asc", text.replace("1499.25", "-32768").replace("1494.25", "-32768"))
+        self.refused("ground/slope", "heights of -32768 m", ground=ground | {"slope": "gap.asc"}, layers=layers)
+        high = "\n".join(" ".join(f"{100 * (float(v) - 1480):g}" for v in row.split()) for row in rows.splitlines())
+        self.write("cm.asc", text.replace(rows, high))
+        self.refused("ground/slope", "heights like centimetres", ground=ground | {"slope": "cm.asc"}, layers=layers)
 
 
 class Walls(SectionCase):
@@ -197,6 +208,11 @@ class Lines(SectionCase):
         self.refused("l0", "no part", layers=layers(8, BASE))  # above all of the ground
         self.refused("layers/1/name", "of its own", layers=[{"name": "a", "bottom": 0, "material": SAND},
                                                             {"name": "a", "bottom": -3, "material": SAND}])
+        for name in ("wall", "slide"):  # files of these names hold something else
+            self.refused("layers/0/name", "of its own", layers=[{"name": name, "bottom": BASE, "material": SAND}])
+        for name in ("../up", "a/b", "Lehm_ü", "a.b", " "):
+            self.refused("layers/0/name", "letters from A to z", layers=[{"name": name, "bottom": BASE,
+                                                                         "material": SAND}])
         self.refused("layers/0/botom", "did you mean bottom", layers=[{"name": "a", "botom": 0}])
         self.refused("no soil", layers=[])
 
