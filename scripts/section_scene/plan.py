@@ -104,8 +104,8 @@ def read_layers(reader: Reader, ground: Line, notes: list[str]) -> list[Layer]:
     for each in reader.children("layers", LAYER):
         name = each.name()
         if name in ("slide", "wall", *(layer.name for layer in layers)):
-            raise TerrainError(f"{each.where}/name: found {name}, which another mass or the wall has, allowed: a name of "
-                               "its own")
+            raise TerrainError(f"{each.where}/name: found {name}, which another mass or the wall has, allowed: a name "
+                               "of its own")
         k0 = each.values.get("k0",
                              "jaky" if "material" not in each.values or "friction_angle" in each.values["material"]
                              else "elastic")
