@@ -264,11 +264,12 @@ std::vector<MembraneBlock::Values> MembraneBlock::values(std::span<const double>
     const double scale = material_.thickness / std::sqrt(C.determinant());
     const Eigen::Matrix3d force = scale * F * S * F.transpose();
     own.force << force(0, 0), force(1, 1), force(2, 2), force(0, 1), force(1, 2), force(0, 2);
-    // Its values in the plane are those of S C.
-    const double middle = 0.5 * scale * (S * C).trace();
-    const double product = scale * scale * S.determinant() * C.determinant();
-    const double half =
-        std::sqrt(std::max(middle * middle - product, 0.0));  // >= 0 but for rounding
+    // On axes of the deformed plane, so that equal values stay equal but for rounding.
+    const Vector<3> along = F.col(0).normalized();
+    const Vector<3> across = (F.col(1) - along * along.dot(F.col(1))).normalized();
+    const double n_11 = along.dot(force * along), n_22 = across.dot(force * across);
+    const double middle = 0.5 * (n_11 + n_22);
+    const double half = std::hypot(0.5 * (n_11 - n_22), along.dot(force * across));
     own.principal = {middle + half, middle - half};
   }
   return all;
