@@ -78,8 +78,7 @@ KeyTable time_integration_keys() {
   KeyTable table = newmark_keys("newmark");
   table.keys.front() = table.keys.front().or_computed(
       "`newmark`; with cables, brakes, `tension_only` or concrete and without damping "
-      "`generalized_alpha` with "
-      "`rho_inf` 0");
+      "`generalized_alpha` with `rho_inf` 0");
   Key rho_inf = *std::ranges::find(table.keys, "rho_inf", &Key::name);
   rho_inf.conditions.clear();
   table.keys.push_back(
@@ -92,8 +91,7 @@ KeyTable structure_newton_keys() {
   const auto limit = std::ranges::find(table.keys, "max_iterations", &Key::name);
   limit->sentence += fmt::format(
       " Without inertia a structure with cables, brakes or `tension_only` takes {} times as many: "
-      "slack lines find "
-      "their shape slowly.",
+      "slack lines find their shape slowly.",
       slack_iterations);
   return table;
 }

@@ -44,8 +44,7 @@ NewmarkBossak read_scheme(ConfigReader in, Parts parts) {
     log::warn(
         "{}: steps that are not short against the vibration of taut lines make energy with this "
         "scheme where cables, brakes or membranes go slack and taut again; \"generalized_alpha\" "
-        "with "
-        "\"rho_inf\" 0 makes none",
+        "with \"rho_inf\" 0 makes none",
         in.where("scheme"));
   }
   return scheme;
