@@ -8,7 +8,6 @@
 #include <iterator>
 #include <limits>
 #include <set>
-#include <tuple>
 #include <utility>
 
 #include "common/base/log.hpp"
@@ -16,9 +15,9 @@
 #include "common/mechanics/mesh/seen_facets.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "common/settings/plausible.hpp"
+#include "fem_solver/mesh_settings.hpp"
 #include "fem_solver/motion_settings.hpp"
 #include "fem_solver/nodal_settings.hpp"
-#include "fem_solver/ranks/divide_mesh.hpp"
 #include "fem_solver/supports/embedded_lines.hpp"
 #include "fem_solver/supports/held_parts.hpp"
 #include "fem_solver/supports/link_nodes.hpp"
@@ -251,6 +250,7 @@ void warn_of_unused_groups(const ConfigReader& in, const FemSettings<dim>& s) {
   for (const auto& item : s.interfaces) used.insert(item.groups.begin(), item.groups.end());
   for (const auto& item : s.line_materials) used.insert(item.group);
   for (const auto& item : s.rigid_links) used.insert(item.group);
+  for (const auto& item : s.membranes) used.insert(item.group);
   for (const auto& [name, facets] : s.mesh.facet_groups) {
     if (used.contains(name)) continue;
     log::warn("{}: nothing uses the facet group \"{}\" of {}", in.where("mesh"), name, s.mesh.file);
@@ -319,31 +319,11 @@ std::vector<ProbeSettings<dim>> read_probes(ConfigReader& in) {
   return probes;
 }
 
-namespace {
-
-template <int dim>
-RankedMesh<dim> read_mesh_with_lines(const Scene& scene, ConfigReader& in,
-                                     const FemSettings<dim>& s, MPI_Comm comm) {
-  std::set<std::string> lines;
-  for (const LineMaterial& material : s.line_materials) lines.insert(material.group);
-  auto ranked = read_mesh_of_rank<dim>(scene, in, comm, lines);
-  const std::int32_t num_cells = ranked.ranks.num_cells_of_all(ranked.mesh);
-  if (s.materials.empty() && num_cells > 0) {
-    in.fail("materials",
-            fmt::format("found materials of lines only, with a mesh of {} cells of type {}, "
-                        "allowed: a material for each cell",
-                        num_cells, name(ranked.mesh.cell_type)));
-  }
-  return ranked;
-}
-
-}  // namespace
-
 template <int dim>
 FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Comm comm) {
   FemSettings<dim> s;
   if (in.has("matrices")) in.fail("matrices", "allowed: either \"matrices\" or \"mesh\"");
-  std::tie(s.materials, s.line_materials) = read_materials<dim>(in);
+  read_materials_of_all(in, comm, s);
   auto ranked = read_mesh_with_lines<dim>(scene, in, s, comm);
   s.mesh = std::move(ranked.mesh);
   s.ranks = std::move(ranked.ranks);
@@ -355,6 +335,7 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
     in.fail("mass", "has no meaning when \"analysis\" is \"static\"");
   }
   read_conditions(in, s);
+  check_membranes_behind(s);
   embed_lines(s, ranked.connection);
   check_damping(s);
   check_rotations(s);

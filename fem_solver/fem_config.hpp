@@ -18,6 +18,7 @@
 #include "fem_solver/beams/beam_nodes.hpp"
 #include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/materials/line_material.hpp"
+#include "fem_solver/materials/membrane_material.hpp"
 #include "fem_solver/ranks/mesh_ranks.hpp"
 #include "fem_solver/stress/embedded_nodes.hpp"
 
@@ -147,6 +148,7 @@ struct FemSettings : MotionSettings<dim> {
   MeshRanks ranks;                           ///< how it lies in the whole
   std::vector<CellMaterial<dim>> materials;  ///< of all cells, or each of a group of cells
   std::vector<LineMaterial> line_materials;  ///< each of a group of lines
+  std::vector<MembraneMaterial> membranes;   ///< each of a group of facets
   EmbeddedNodes<dim> embedded;               ///< nodes of lines inside cells
   /// The mesh has nodes of rotations behind its places, see BeamNodes.
   std::vector<std::int32_t> rotation_nodes;

@@ -77,11 +77,12 @@ std::vector<Key> place_keys(const std::string& group_sentence) {
 KeyTable time_integration_keys() {
   KeyTable table = newmark_keys("newmark");
   table.keys.front() = table.keys.front().or_computed(
-      "`newmark`; with cables, brakes or concrete and without damping `generalized_alpha` with "
-      "`rho_inf` 0");
+      "`newmark`; with cables, brakes, `tension_only` or concrete and without damping "
+      "`generalized_alpha` with `rho_inf` 0");
   Key rho_inf = *std::ranges::find(table.keys, "rho_inf", &Key::name);
   rho_inf.conditions.clear();
-  table.keys.push_back(rho_inf.or_computed("0 with cables, brakes or concrete").without("scheme"));
+  table.keys.push_back(
+      rho_inf.or_computed("0 with cables, brakes, `tension_only` or concrete").without("scheme"));
   return table;
 }
 
@@ -89,8 +90,8 @@ KeyTable structure_newton_keys() {
   KeyTable table = newton_keys(newton_defaults);
   const auto limit = std::ranges::find(table.keys, "max_iterations", &Key::name);
   limit->sentence += fmt::format(
-      " Without inertia a structure with cables or brakes takes {} times as many: slack lines find "
-      "their shape slowly.",
+      " Without inertia a structure with cables, brakes or `tension_only` takes {} times as many: "
+      "slack lines find their shape slowly.",
       slack_iterations);
   return table;
 }

@@ -103,7 +103,13 @@ StepReport FemSolver<dim>::solve_step(const StepRequest& request, const Interfac
     report = step_.solve(state_, interface_forces(received, request.dt), request.dt, trial);
   } catch (const ConvergenceError& error) {
     if (settings_.dynamic) throw;
-    throw failures_.judge(request, error, "let loads grow from 0 by \"table\", over several steps");
+    std::string advice = "let loads grow from 0 by \"table\", over several steps";
+    if (!settings_.membranes.empty()) {
+      advice +=
+          "; a membrane without tension has no stiffness across: give it a \"prestress\" and hold "
+          "its rim, or run in dynamics";
+    }
+    throw failures_.judge(request, error, advice);
   }
   sent = interface_displacements(trial);
   trial_ = std::move(trial);

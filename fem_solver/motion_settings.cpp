@@ -12,8 +12,8 @@ namespace gabion::fem {
 
 namespace {
 
-/// Parts of a structure whose stiffness jumps, lines that go slack and concrete whose cracks close;
-/// and whether anything of it is damped.
+/// Parts of a structure whose stiffness jumps, lines and membranes that go slack and concrete whose
+/// cracks close; and whether anything of it is damped.
 struct Parts {
   bool slacken = false, crack = false, damped = false;
 };
@@ -43,8 +43,8 @@ NewmarkBossak read_scheme(ConfigReader in, Parts parts) {
   if (parts.slacken && scheme.alpha_m != -1) {
     log::warn(
         "{}: steps that are not short against the vibration of taut lines make energy with this "
-        "scheme where cables or brakes go slack and taut again; \"generalized_alpha\" with "
-        "\"rho_inf\" 0 makes none",
+        "scheme where cables, brakes or membranes go slack and taut again; \"generalized_alpha\" "
+        "with \"rho_inf\" 0 makes none",
         in.where("scheme"));
   }
   return scheme;

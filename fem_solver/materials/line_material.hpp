@@ -4,7 +4,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "common/settings/config_reader.hpp"
@@ -13,6 +12,7 @@
 #include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/materials/failure.hpp"
 #include "fem_solver/materials/hardening.hpp"
+#include "fem_solver/materials/membrane_material.hpp"
 
 namespace gabion::fem {
 
@@ -85,10 +85,17 @@ std::vector<Key> line_keys();
 /// @throws ConfigError  a table of a brake that does not rise in run, ...
 LineMaterial read_line_material(ConfigReader in, int dim);
 
-/// Read "material", of all cells, or "materials", each of a group of cells or lines.
+/// Materials of a structure: of all cells or each of a group of them, of lines, of membranes.
+template <int dim>
+struct StructureMaterials {
+  std::vector<CellMaterial<dim>> cells;
+  std::vector<LineMaterial> lines;
+  std::vector<MembraneMaterial> membranes;
+};
+
+/// Read "material", of all cells, or "materials", each of a group of cells, lines or membranes.
 /// @throws ConfigError  both or neither; a group a second time
 template <int dim>
-std::pair<std::vector<CellMaterial<dim>>, std::vector<LineMaterial>> read_materials(
-    ConfigReader& in);
+StructureMaterials<dim> read_materials(ConfigReader& in);
 
 }  // namespace gabion::fem

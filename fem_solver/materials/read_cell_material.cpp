@@ -7,6 +7,7 @@
 
 #include "fem_solver/materials/cell_material.hpp"
 #include "fem_solver/materials/line_material.hpp"
+#include "fem_solver/materials/membrane_material.hpp"
 #include "fem_solver/materials/read_concrete.hpp"
 #include "fem_solver/materials/read_hardening.hpp"
 
@@ -96,14 +97,24 @@ KeyTable group_material_keys() {
     if (key.name == "formulation" || key.name == "rayleigh" || key.name.starts_with("thickness")) {
       key = key.when("law", laws_of_cells);
     }
+    if (key.name == "formulation") {
+      key.words.push_back("membrane");
+      key.sentence +=
+          " `membrane`: surface cells in space (tri3, quad4), a group of facets or of surfaces of "
+          "no cell, with stress in their plane alone; law `linear_elastic`, linear in the Green "
+          "strain.";
+    }
   }
-  for (const auto& keys : {line_keys(), beam_keys(), failure_keys(/*lines=*/true)}) {
+  for (const auto& keys :
+       {membrane_keys(), line_keys(), beam_keys(), failure_keys(/*lines=*/true)}) {
     table.keys.insert(table.keys.end(), keys.begin(), keys.end());
   }
-  table.keys.insert(table.keys.begin(),
-                    key::text("group",
-                              "Group of cells, or of curves whose lines are cells: a "
-                              "physical group of the mesh's file."));
+  table.keys.insert(
+      table.keys.begin(),
+      key::text("group",
+                "Group of cells, of curves whose lines are cells, or of surfaces of a "
+                "membrane: a "
+                "physical group of the mesh's file."));
   return table;
 }
 

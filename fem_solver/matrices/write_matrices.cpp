@@ -149,6 +149,9 @@ void write_matrices(const FemSettings<dim>& settings, const Json& resolved, MPI_
                        "--write-matrices: found line cells (\"law\" \"{}\"), allowed: a structure "
                        "without lines, because a cable is not linear",
                        settings.line_materials.empty() ? "" : settings.line_materials[0].law_name);
+  require<ConfigError>(settings.membranes.empty(),
+                       "--write-matrices: found \"formulation\" \"membrane\", allowed: a structure "
+                       "without membranes, which are not linear");
   require<ConfigError>(!is_damped(settings),
                        "--write-matrices: found \"rayleigh\" or \"dashpots\", allowed: a structure "
                        "without damping; \"rayleigh\" may be given beside the matrices");

@@ -23,14 +23,14 @@ std::vector<double> history_of(std::span<const double> of_block,
   return history;
 }
 
-/// Nodes that a cell or line acts on.
+/// Nodes that a cell, line or sheet acts on.
 template <int dim>
 std::vector<std::int32_t> nodes_of(const FemSettings<dim>& settings, std::int32_t element) {
   const Mesh<dim>& mesh = settings.mesh;
-  if (element >= mesh.num_cells()) {
+  const auto nodes = mesh.element(element);
+  if (element >= mesh.num_cells() && element < mesh.num_cells() + mesh.num_lines()) {
     return settings.embedded.line_nodes(mesh, element - mesh.num_cells());
   }
-  const auto nodes = mesh.cell(element);
   return {nodes.begin(), nodes.end()};
 }
 
@@ -130,6 +130,21 @@ void SectionForces<dim>::find_parts(const FemSettings<dim>& settings,
                         {{}, beam_nodes_, &settings.embedded}),
          b, std::move(places)});
   }
+  find_membrane_parts(settings, cells);
+}
+
+template <int dim>
+void SectionForces<dim>::find_membrane_parts(const FemSettings<dim>& settings,
+                                             const CellIntegrals<dim>& cells) {
+  if constexpr (dim == 3) {
+    for (const MembraneBlock& block : cells.membranes().blocks()) {
+      std::vector<std::int32_t> own;
+      for (const std::int32_t s : block.sheets()) {
+        if (is_cut(settings, mesh_.num_cells() + mesh_.num_lines() + s)) own.push_back(s);
+      }
+      membrane_parts_.emplace_back(mesh_, block.material(), std::move(own), block.lumped_mass());
+    }
+  }
 }
 
 template <int dim>
@@ -159,6 +174,9 @@ std::vector<double> SectionForces<dim>::forces_behind(const StructureState& stat
   };
   for (const auto& part : cell_parts_) add(part, cells.of_block(all, part.of_block));
   for (const auto& part : line_parts_) add(part, cells.of_line_block(all, part.of_block));
+  if constexpr (dim == 3) {
+    for (const auto& part : membrane_parts_) part.add_internal(state.motion.u, f, nullptr);
+  }
   if (links_.num_arms() > 0) {
     const auto histories = cells.link_histories(all);
     std::vector<std::span<const double>> own;

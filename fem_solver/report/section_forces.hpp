@@ -42,6 +42,7 @@ class SectionForces {
     std::vector<std::size_t> places;  // among the cells of that block
   };
   void find_parts(const FemSettings<dim>& settings, const CellIntegrals<dim>& cells);
+  void find_membrane_parts(const FemSettings<dim>& settings, const CellIntegrals<dim>& cells);
   void count_links(const CellIntegrals<dim>& cells, std::vector<double>& sides);
   bool is_behind(std::span<const std::int32_t> nodes) const;
   bool is_cut(const FemSettings<dim>& settings, std::int32_t element) const;
@@ -56,6 +57,7 @@ class SectionForces {
   double num_cut_ = 0;     // nodes of all ranks
   std::vector<Part<CellBlock<dim>>> cell_parts_;
   std::vector<Part<LineBlock<dim>>> line_parts_;
+  std::vector<MembraneBlock> membrane_parts_;
   RigidLinks<dim> links_;           // that are behind
   std::vector<std::size_t> whose_;  // number of each among all links
 };

@@ -9,6 +9,7 @@
 #include "fem_solver/report/fem_output.hpp"
 #include "fem_solver/report/fem_probes.hpp"
 #include "fem_solver/report/line_output.hpp"
+#include "fem_solver/report/membrane_output.hpp"
 #include "fem_solver/report/section_forces.hpp"
 #include "fem_solver/step/structure_step.hpp"
 
@@ -36,7 +37,8 @@ class StructureReport {
   const StructureStep<dim>& step_;
   FemProbes<dim> probes_;
   std::vector<SectionForces<dim>> sections_;
-  std::vector<std::string> names_;    // of the probes, then of the sections
+  MembraneOutput<dim> membranes_;
+  std::vector<std::string> names_;    // of the probes, then of membranes and sections
   std::int64_t num_constrained_ = 0;  // unknowns of all ranks
   std::optional<FemOutput<dim>> output_;
   std::optional<LineOutput<dim>> line_output_;

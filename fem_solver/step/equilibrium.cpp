@@ -15,6 +15,7 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "fem_solver/step/static_newton.hpp"
 #include "fem_solver/stress/cell_damage.hpp"
 #include "fem_solver/stress/cell_failure.hpp"
 #include "fem_solver/stress/cells_of_materials.hpp"
@@ -41,6 +42,7 @@ CellIntegrals<dim> make_cells(const FemSettings<dim>& settings) {
         LinesOfMesh<dim>{settings.line_materials, settings.beam_nodes(), &settings.embedded});
   });
   cells->set_nodal_parts(nodal_parts(settings));
+  cells->set_membranes({settings.mesh, settings.membranes, settings.lumped_mass});
   if (!settings.rigid_links.empty()) {
     cells->set_links({rigid_links(settings), settings.rotation_length});
   }
@@ -58,8 +60,7 @@ Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
       embedded_(settings.embedded),
       mesh_(settings.mesh),
       cells_(make_cells(settings)),
-      has_lines_(std::ranges::any_of(settings.line_materials,
-                                     [](const auto& material) { return !material.beam; })),
+      may_be_loose_(may_be_loose(settings)),
       may_fail_(fem::may_fail(cells_)),
       scheme_(settings.time_integration),
       smallest_cell_size_(-shared().largest(-cells_.smallest_cell_size())),
@@ -81,6 +82,7 @@ Equilibrium<dim>::Equilibrium(const FemSettings<dim>& settings,
 
 template <int dim>
 void Equilibrium<dim>::find_wave_speed(const FemSettings<dim>& settings) {
+  wave_speed_ = cells_.membranes().wave_speed();
   for (const CellMaterial<dim>& material : settings.materials) {
     std::visit(
         [&](const auto& law) {
@@ -98,13 +100,13 @@ void Equilibrium<dim>::find_wave_speed(const FemSettings<dim>& settings) {
 template <int dim>
 bool Equilibrium<dim>::regularise(double share) {
   regularisation_share_ = share;
-  return has_lines_;
+  return may_be_loose_;
 }
 
 template <int dim>
 bool Equilibrium<dim>::support(bool on) {
   support_ = on;
-  return has_lines_;
+  return may_be_loose_;
 }
 
 template <int dim>

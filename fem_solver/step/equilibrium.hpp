@@ -53,9 +53,9 @@ class Equilibrium final : public NewtonProblem<dim> {
 
   Evaluation evaluate(std::span<const double> du, std::span<double> r,
                       BlockMatrix<dim>* K) override;
-  /// Regularise K at slack lines, whose force has a kink at the stress-free length.
+  /// Regularise K at slack lines and membranes, whose force has a kink at the stress-free length.
   bool regularise(double share) override;
-  /// Add stiffness at lines without force, which do not hold their nodes across.
+  /// Add stiffness at lines and membranes without force, which do not hold their nodes across.
   bool support(bool on) override;
   double increment_scale() const override { return smallest_cell_size_; }
   const SharedNodes& shared() const override { return ranks_.shared(); }
@@ -152,7 +152,7 @@ class Equilibrium final : public NewtonProblem<dim> {
   const Mesh<dim>& mesh_;
   CellIntegrals<dim> cells_;
   std::unique_ptr<Damping<dim>> damping_;  // null: none
-  bool has_lines_;                         // a rank has some, beside beams
+  bool may_be_loose_;                      // a rank has membranes, or lines beside beams
   bool may_fail_;
   NewmarkBossak scheme_;
   double smallest_cell_size_ = 0;  // of all cells [m]

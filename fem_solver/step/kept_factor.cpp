@@ -25,14 +25,15 @@ constexpr std::int64_t widest_front_static = 1000;
 constexpr double factor_bytes = 9;                  // of unknowns x front
 constexpr double largest_factor = 4.0 * (1 << 30);  // [bytes]
 
-/// Cells and lines of each node, as compressed rows.
+/// Cells, lines and sheets of each node, as compressed rows.
 template <int dim>
 struct CellsOfNodes {
   explicit CellsOfNodes(const Mesh<dim>& mesh) : starts(mesh.nodes.size() + 1, 0) {
     for (const std::int32_t i : mesh.cells) ++starts[i + 1];
     for (const std::int32_t i : mesh.lines) ++starts[i + 1];
+    for (const std::int32_t i : mesh.sheets) ++starts[i + 1];
     for (std::size_t i = 1; i < starts.size(); ++i) starts[i] += starts[i - 1];
-    cells.resize(mesh.cells.size() + mesh.lines.size());
+    cells.resize(mesh.cells.size() + mesh.lines.size() + mesh.sheets.size());
     std::vector<std::int64_t> next(starts.begin(), starts.end() - 1);
     for (std::int32_t e = 0; e < mesh.num_elements(); ++e)
       for (const std::int32_t i : mesh.element(e)) cells[next[i]++] = e;

@@ -36,7 +36,8 @@ bool shows_instability(const FemSettings<dim>& settings) {
                          std::ranges::all_of(settings.materials, [](const auto& material) {
                            return material.law_name == "linear_elastic";
                          });
-  return settings.ranks.alone() && only_beams && !cracks && !is_linear && is_factored(settings);
+  return settings.ranks.alone() && settings.membranes.empty() && only_beams && !cracks &&
+         !is_linear && is_factored(settings);
 }
 
 }  // namespace

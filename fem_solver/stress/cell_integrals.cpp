@@ -40,6 +40,24 @@ void check_formulation(const CellMaterial<dim>& material, CellType type) {
       material.where, name(type));
 }
 
+/// The mass of each cell in proportion to the diagonal of its matrix (Hinton, Rock and Zienkiewicz
+/// 1976): row sums of quadratic cells are negative or zero at corners.
+/// @param cells   nodes of each
+/// @param masses  cells x nodes x nodes [kg]
+std::vector<double> lump_by_diagonal(std::span<const std::int32_t> cells,
+                                     std::span<const double> masses, int n, std::size_t num_nodes) {
+  std::vector<double> lumped(num_nodes, 0.0);
+  for (std::size_t first = 0; first < cells.size(); first += static_cast<std::size_t>(n)) {
+    const double* M = masses.data() + first * static_cast<std::size_t>(n);
+    const double whole = std::accumulate(M, M + n * n, 0.0);
+    double diagonal = 0;
+    for (int a = 0; a < n; ++a) diagonal += M[a * n + a];
+    if (diagonal == 0) continue;  // a cell without mass
+    for (int a = 0; a < n; ++a) lumped[cells[first + a]] += whole * M[a * n + a] / diagonal;
+  }
+  return lumped;
+}
+
 }  // namespace
 
 template <int dim>
@@ -101,6 +119,12 @@ void CellIntegrals<dim>::make_line_blocks(const Mesh<dim>& mesh, const LinesOfMe
 }
 
 template <int dim>
+void CellIntegrals<dim>::set_membranes(Membranes<dim> membranes) {
+  membranes_ = std::move(membranes);
+  smallest_cell_size_ = std::min(smallest_cell_size_, membranes_.smallest_size());
+}
+
+template <int dim>
 void CellIntegrals<dim>::compute_mass(const Mesh<dim>& mesh, bool lumped) {
   const auto rule = gauss_rule<dim>(mesh.cell_type, mass_degree(mesh.cell_type));
   const int n = nodes_per_cell_;
@@ -131,23 +155,8 @@ void CellIntegrals<dim>::compute_mass(const Mesh<dim>& mesh, bool lumped) {
       }
     }
   }
-  if (lumped && !row_sums) lump_by_diagonal();
-}
-
-/// The mass of each cell in proportion to the diagonal of its matrix (Hinton, Rock and Zienkiewicz
-/// 1976): row sums of quadratic cells are negative or zero at corners.
-template <int dim>
-void CellIntegrals<dim>::lump_by_diagonal() {
-  lumped_masses_.assign(static_cast<std::size_t>(num_nodes_), 0.0);
-  const int n = nodes_per_cell_;
-  for (std::int32_t c = 0; c < num_cells_; ++c) {
-    const double* M = cell_masses_.data() + static_cast<std::size_t>(c) * n * n;
-    const double whole = std::accumulate(M, M + n * n, 0.0);
-    double diagonal = 0;
-    for (int a = 0; a < n; ++a) diagonal += M[a * n + a];
-    if (diagonal == 0) continue;  // a cell without mass
-    for (int a = 0; a < n; ++a) lumped_masses_[cell(c)[a]] += whole * M[a * n + a] / diagonal;
-  }
+  if (!lumped || row_sums) return;
+  lumped_masses_ = lump_by_diagonal(cell_nodes_, cell_masses_, n, mesh.nodes.size());
   cell_masses_.clear();
 }
 
@@ -155,6 +164,7 @@ template <int dim>
 void CellIntegrals<dim>::add_mass_times(std::span<const double> a, std::span<double> f) const {
   for (const auto& block : line_blocks_) block.add_mass_times(a, f);
   nodal_parts_.add_mass_times(a, f);
+  membranes_.add_mass_times(a, f);
   for (std::size_t i = 0; i < lumped_masses_.size(); ++i) {
     for (int k = 0; k < dim; ++k) f[i * dim + k] += lumped_masses_[i] * a[i * dim + k];
   }
@@ -178,6 +188,7 @@ template <int dim>
 void CellIntegrals<dim>::add_mass(double scale, BlockMatrix<dim>& K) const {
   for (const auto& block : line_blocks_) block.add_mass(scale, K);
   nodal_parts_.add_mass(scale, K);
+  membranes_.add_mass(scale, K, first_sheet());
   for (std::size_t i = 0; i < lumped_masses_.size(); ++i) {
     if (lumped_masses_[i] != 0) {
       K.add_diagonal(static_cast<std::int32_t>(i), scale * lumped_masses_[i]);
@@ -213,6 +224,7 @@ void CellIntegrals<dim>::set_pattern(BlockMatrix<dim>& K) const {
   const std::vector<std::int32_t> of_links = links_.nodes();
   nodes.insert(nodes.end(), of_links.begin(), of_links.end());
   for (std::size_t k = 0; k < links_.num_arms(); ++k) offsets.push_back(offsets.back() + 3);
+  membranes_.add_to_pattern(offsets, nodes);
   K.set_pattern(num_nodes_, offsets, nodes);
 }
 
@@ -239,6 +251,7 @@ StressIntegral CellIntegrals<dim>::add_internal(std::span<const double> u, std::
     first += block.history_size();
   }
   sum.energy += nodal_parts_.add_internal(u, f_int, K);
+  if (membranes_.any()) sum.energy += membranes_.add_internal(u, f_int, K, first_sheet());
   if (links_.num_arms() > 0) {
     sum.energy += links_.add_internal(u, f_int, K, static_cast<std::int32_t>(num_elements()),
                                       link_histories(history.accepted));
@@ -249,6 +262,7 @@ StressIntegral CellIntegrals<dim>::add_internal(std::span<const double> u, std::
 template <int dim>
 void CellIntegrals<dim>::add_line_stiffness(double share, BlockMatrix<dim>& K) const {
   for (const auto& block : line_blocks_) block.add_stiffness(share, K);
+  membranes_.add_stiffness(share, K, first_sheet());
 }
 
 template <int dim>

@@ -8,6 +8,7 @@
 
 #include "fem_solver/stress/cell_block.hpp"
 #include "fem_solver/stress/line_block.hpp"
+#include "fem_solver/stress/membranes.hpp"
 #include "fem_solver/stress/nodal_parts.hpp"
 #include "fem_solver/stress/rigid_links.hpp"
 
@@ -29,7 +30,9 @@ class CellIntegrals {
 
   /// Include these in all sums below.
   void set_nodal_parts(NodalParts<dim> parts) { nodal_parts_ = std::move(parts); }
-  /// Include links, each at a beam of these cells; call it before set_pattern().
+  void set_membranes(Membranes<dim> membranes);
+  const Membranes<dim>& membranes() const { return membranes_; }
+  /// Include links, each at a beam of these cells; call these before set_pattern().
   void set_links(RigidLinks<dim> links);
   const RigidLinks<dim>& links() const { return links_; }
   /// History of the beam at each link; empty in the plane.
@@ -44,8 +47,8 @@ class CellIntegrals {
   StressIntegral add_internal(std::span<const double> u, std::span<double> f_int,
                               BlockMatrix<dim>* K, HistoryStep history = {}) const;
 
-  /// A share of the stiffness of all lines when they are taut, in all directions: for Newton's
-  /// method where they are slack, or without a force that holds their nodes across.
+  /// A share of the stiffness of all lines and membranes when they are taut, in all directions: for
+  /// Newton's method where they are slack, or without a force that holds their nodes across.
   void add_line_stiffness(double share, BlockMatrix<dim>& K) const;
 
   /// f += M a. [N]
@@ -74,7 +77,8 @@ class CellIntegrals {
   double largest_rotation(std::span<const double> u) const;
 
   std::int32_t num_cells() const { return num_cells_; }  ///< without lines
-  /// The least V^(1/dim) of cells and length of lines [m]; infinite without any.
+  /// The least V^(1/dim) of cells, length of lines and A^(1/2) of membranes [m]; infinite without
+  /// any.
   double smallest_cell_size() const { return smallest_cell_size_; }
 
   std::size_t history_size() const;   ///< number of values; those of the virgin state are 0
@@ -96,7 +100,6 @@ class CellIntegrals {
   void make_blocks(const Mesh<dim>& mesh, std::span<const CellMaterial<dim>> materials,
                    const MeshRanks& ranks);
   void compute_mass(const Mesh<dim>& mesh, bool lumped);
-  void lump_by_diagonal();
   std::span<const std::int32_t> cell(std::int32_t c) const {
     return {cell_nodes_.data() + static_cast<std::size_t>(c) * nodes_per_cell_,
             static_cast<std::size_t>(nodes_per_cell_)};
@@ -105,6 +108,9 @@ class CellIntegrals {
                         const MeshRanks& ranks);
   std::size_t num_lines() const { return line_ends_.size(); }
   std::size_t num_elements() const { return static_cast<std::size_t>(num_cells_) + num_lines(); }
+  std::int32_t first_sheet() const {  ///< in the pattern, behind cells, lines and links
+    return static_cast<std::int32_t>(num_elements() + links_.num_arms());
+  }
   template <class Visit>
   void for_each_cell_history(const Visit& visit) const;
 
@@ -118,6 +124,7 @@ class CellIntegrals {
   std::vector<std::int32_t> line_ends_;  // end of each line in line_nodes_
   std::vector<LineBlock<dim>> line_blocks_;
   NodalParts<dim> nodal_parts_;
+  Membranes<dim> membranes_;
   RigidLinks<dim> links_;
   std::vector<std::size_t> link_starts_;  // of the beam at each link in a history
   std::vector<double> cell_masses_;       // cells x nodes x nodes [kg]; empty when lumped

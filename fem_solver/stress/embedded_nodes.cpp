@@ -206,6 +206,7 @@ EmbeddedNodes<dim> find_embedded_nodes(const Mesh<dim>& mesh,
   const auto of_others = materials_of_nodes(mesh, materials, false);
   std::vector<char> in_cell(mesh.nodes.size(), 0);
   for (const std::int32_t i : mesh.cells) in_cell[i] = 1;
+  for (const std::int32_t i : mesh.sheets) in_cell[i] = 1;
   const CellBoxes<dim> boxes(mesh);
   for (std::int32_t i = 0; i < mesh.num_nodes_total(); ++i) {
     if (of_bars[i] == 0 || in_cell[i] != 0) continue;

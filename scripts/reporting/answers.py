@@ -18,7 +18,7 @@ from .footing import stability
 from .incoming import Impact, froude, impacts
 from .surfaces import all_loads, loaded_surfaces, moments, rigid_walls, touched_faces
 
-# Columns of fem_solver about lines, metal and concrete: what they are called, their units, whether these are per metre
+# Columns of fem_solver about lines, membranes, metal and concrete: what they are called, their units, whether these are per metre
 # in 2D, and of which values the largest one is asked: of the sizes, of the values, or of these with the other sign.
 MEMBERS = {"axial_max": ("largest axial force in the lines of", "N", True, np.positive),
            "axial_min": ("least axial force in the lines of", "N", True, np.negative),
@@ -27,6 +27,8 @@ MEMBERS = {"axial_max": ("largest axial force in the lines of", "N", True, np.po
            "torsion_max": ("largest torsional moment in the beams of", "N m", True, np.abs),
            "stress_max": ("largest stress in the bars of", "Pa", False, np.positive),
            "stress_min": ("least stress in the bars of", "Pa", False, np.negative),
+           "tension_max": ("largest tension in the membranes of", "N/m", False, np.positive),
+           "strain_max": ("largest strain in the membranes of", "", False, np.positive),
            "brake_run": ("largest run of a brake of", "m", False, np.abs),
            "plastic_strain": ("largest plastic strain of", "", False, np.abs),
            "crack_width": ("widest crack of", "m", False, np.abs),

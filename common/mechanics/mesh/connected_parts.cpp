@@ -20,7 +20,7 @@ std::string place_text(const Vector<dim>& x) {
   return fmt::format("({:.6g})", fmt::join(x.data(), x.data() + dim, ", "));
 }
 
-/// Find the part of each node, and give the parts their cells and boxes.
+/// Find the part of each node, -1: no element has it, and give the parts their cells and boxes.
 template <int dim>
 std::vector<std::int32_t> find_parts(const Mesh<dim>& mesh, MeshConnection<dim>& connection) {
   DisjointSets sets(mesh.nodes.size());
@@ -50,7 +50,9 @@ MeshConnection<dim> connection_of(const Mesh<dim>& mesh) {
   const auto part = find_parts(mesh, connection);
   for (const auto* groups : {&mesh.node_groups, &mesh.facet_groups}) {
     for (const auto& [name, nodes] : *groups) {
-      for (const std::int32_t i : nodes) connection.parts[part[i]].groups.insert(name);
+      for (const std::int32_t i : nodes) {
+        if (part[i] >= 0) connection.parts[part[i]].groups.insert(name);
+      }
     }
   }
   const auto first = nodes_in_place<dim>(mesh.nodes, coincidence_distance(mesh));
@@ -68,7 +70,7 @@ MeshConnection<dim> connection_of(const Mesh<dim>& mesh) {
   }
   for (std::int32_t i = 0; i < mesh.num_nodes_total(); ++i) {
     if (is_shared[first[i]] != 0) connection.unjoined.push_back(i);
-    if (between_parts[first[i]] != 0) ++connection.parts[part[i]].num_touching;
+    if (between_parts[first[i]] != 0 && part[i] >= 0) ++connection.parts[part[i]].num_touching;
   }
   return connection;
 }

@@ -43,7 +43,7 @@ CellType type_with_facets(CellType facet) {
   return CellType::hex8;
 }
 
-/// A type of cells whose facets are those of the file; for meshes of lines alone.
+/// A type of cells whose facets are those of the file; for meshes of lines and sheets alone.
 template <int dim>
 CellType type_of_facets(const GmshFile& file, const std::string& path) {
   std::optional<CellType> result;
@@ -52,8 +52,8 @@ CellType type_of_facets(const GmshFile& file, const std::string& path) {
     if (dim == 2 || dimension(facet) != dim - 1) continue;
     const CellType type = type_with_facets(facet);
     require<ConfigError>(!result || *result == type,
-                         "{}: section $Elements: found facets of types {} and {} beside lines, "
-                         "allowed: one type a mesh",
+                         "{}: section $Elements: found facets of types {} and {} in a mesh without "
+                         "solid cells, allowed: one type a mesh",
                          path, name(facet_type(result.value_or(type))), name(facet));
     result = type;
   }
@@ -62,7 +62,7 @@ CellType type_of_facets(const GmshFile& file, const std::string& path) {
 
 /// The one type of the cells of dimension `dim`.
 template <int dim>
-CellType find_cell_type(const GmshFile& file, const std::string& path, bool has_lines,
+CellType find_cell_type(const GmshFile& file, const std::string& path, bool has_others,
                         CellOrders orders) {
   std::optional<CellType> result;
   int highest = -1;
@@ -85,7 +85,7 @@ CellType find_cell_type(const GmshFile& file, const std::string& path, bool has_
                        "{}: section $Elements: found elements of dimension {}, "
                        "allowed: a mesh of dimension {}",
                        path, highest, dim);
-  if (!result && has_lines) return type_of_facets<dim>(file, path);
+  if (!result && has_others) return type_of_facets<dim>(file, path);
   require<ConfigError>(result.has_value(),
                        "{}: section $Elements: found no cells of dimension {} (the "
                        "highest dimension is {}); a Gmsh file holds only elements of "
@@ -117,9 +117,10 @@ class MeshBuilder {
         wanted_facets_(wish.facets),
         position_of_tag_(index_nodes(file, path)),
         origin_{.file = file, .path = path, .cells = {}, .facets = {}} {
-    const bool has_lines = std::ranges::any_of(
-        file.element_blocks, [this](const auto& block) { return !line_groups_of(block).empty(); });
-    mesh_.cell_type = find_cell_type<dim>(file, path, has_lines, wish.orders);
+    const bool has_others = std::ranges::any_of(file.element_blocks, [this](const auto& block) {
+      return !line_groups_of(block).empty() || !sheet_groups_of(block).empty();
+    });
+    mesh_.cell_type = find_cell_type<dim>(file, path, has_others, wish.orders);
   }
 
   Mesh<dim> build() {
@@ -165,7 +166,14 @@ class MeshBuilder {
 
   /// Names of the groups of a block whose lines are cells.
   std::vector<std::string> line_groups_of(const GmshFile::ElementBlock& block) const {
-    if (!lines_ || block.dimension != 1 || block.tags.empty()) return {};
+    return block.dimension == 1 ? wanted_groups_of(block) : std::vector<std::string>();
+  }
+  /// Names of the groups of a block whose facets are cells.
+  std::vector<std::string> sheet_groups_of(const GmshFile::ElementBlock& block) const {
+    return dim == 3 && block.dimension == 2 ? wanted_groups_of(block) : std::vector<std::string>();
+  }
+  std::vector<std::string> wanted_groups_of(const GmshFile::ElementBlock& block) const {
+    if (!lines_ || block.tags.empty()) return {};
     auto groups = group_names(file_, block);
     std::erase_if(groups, [this](const auto& group) { return !lines_->contains(group); });
     return groups;
@@ -200,7 +208,10 @@ class MeshBuilder {
   void number_nodes() {
     number_.assign(file_.node_tags.size(), -1);
     for (const auto& block : file_.element_blocks) {
-      if (dimension(cell_type_of(block.type)) != dim && line_groups_of(block).empty()) continue;
+      if (dimension(cell_type_of(block.type)) != dim && line_groups_of(block).empty() &&
+          sheet_groups_of(block).empty()) {
+        continue;
+      }
       for (std::uint64_t tag : block.nodes) number_[position(tag)] = 0;
     }
     std::array<double, 3> low, high;
@@ -281,7 +292,12 @@ class MeshBuilder {
     const CellType type = facet_type(mesh_.cell_type);
     const std::size_t n = gmsh_num_nodes(block.type);
     if (groups.empty() || block.tags.empty()) return;
-    const bool loose = may_be_loose(groups);
+    const bool loose = may_be_loose(groups), sheets = !sheet_groups_of(block).empty();
+    require<ConfigError>(!sheets || cell_type_of(block.type) == type,
+                         "{}: section $Elements: found facets of type {} in group \"{}\", allowed: "
+                         "{}, the facets of cells of type {}",
+                         path_, name(cell_type_of(block.type)), groups[0], name(type),
+                         name(mesh_.cell_type));
     std::vector<std::int32_t> facets;
     std::vector<FileElement> origins;
     for (std::size_t first = 0; first < block.nodes.size(); first += n) {
@@ -294,7 +310,7 @@ class MeshBuilder {
                                    return i >= 0 && on_line_[i] != 0;
                                  });
       require<ConfigError>(
-          !found.empty() || between_lines,
+          !found.empty() || between_lines || sheets,
           "{}: section $Elements: found a facet of group \"{}\" "
           "(nodes {}) that belongs to no cell",
           path_, groups[0],

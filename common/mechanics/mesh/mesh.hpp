@@ -30,8 +30,8 @@ std::vector<std::int32_t> find_group_nodes(const FacetGroups& groups, const std:
 /// Numbers of cells, lines or nodes by name, ascending.
 using NumberGroups = std::map<std::string, std::vector<std::int32_t>>;
 
-/// An unstructured mesh of one cell type with named groups of facets and cells, and lines between
-/// its nodes, such as ropes. It may consist of lines alone.
+/// An unstructured mesh of one cell type with named groups of facets and cells, and lines and, in
+/// space, sheets between its nodes, such as ropes and membranes. It may consist of these alone.
 template <int dim>
 struct Mesh {
   CellType cell_type = dim == 2 ? CellType::tri3 : CellType::hex8;
@@ -44,6 +44,9 @@ struct Mesh {
   NumberGroups cell_groups;
   std::vector<std::int32_t> lines;  ///< line cells (line2), num_lines x 2
   NumberGroups line_groups;
+  std::vector<std::int32_t>
+      sheets;  ///< surface cells, num_sheets x num_nodes(facet_type(cell_type))
+  NumberGroups sheet_groups;
   NumberGroups node_groups;  ///< groups of points, in 3D also of curves: nodes of cells and lines
   std::string file;          ///< it was read from, as the scene names it; empty: made from numbers
 
@@ -52,8 +55,12 @@ struct Mesh {
     return static_cast<std::int32_t>(cells.size()) / nodes_per_cell();
   }
   std::int32_t num_lines() const { return static_cast<std::int32_t>(lines.size() / 2); }
-  /// Cells, then lines.
-  std::int32_t num_elements() const { return num_cells() + num_lines(); }
+  int nodes_per_sheet() const { return num_nodes(facet_type(cell_type)); }
+  std::int32_t num_sheets() const {
+    return static_cast<std::int32_t>(sheets.size()) / nodes_per_sheet();
+  }
+  /// Cells, then lines, then sheets.
+  std::int32_t num_elements() const { return num_cells() + num_lines() + num_sheets(); }
   std::int32_t num_nodes_total() const { return static_cast<std::int32_t>(nodes.size()); }
   std::span<const std::int32_t> cell(std::int32_t c) const {
     return {cells.data() + static_cast<std::size_t>(c) * nodes_per_cell(),
@@ -62,9 +69,15 @@ struct Mesh {
   std::span<const std::int32_t> line(std::int32_t l) const {
     return std::span(lines).subspan(static_cast<std::size_t>(l) * 2, 2);
   }
-  /// Nodes of a cell or, behind the cells, of a line.
+  std::span<const std::int32_t> sheet(std::int32_t s) const {
+    const auto n = static_cast<std::size_t>(nodes_per_sheet());
+    return std::span(sheets).subspan(static_cast<std::size_t>(s) * n, n);
+  }
+  /// Nodes of a cell or, behind the cells, of a line or, behind the lines, of a sheet.
   std::span<const std::int32_t> element(std::int32_t e) const {
-    return e < num_cells() ? cell(e) : line(e - num_cells());
+    if (e < num_cells()) return cell(e);
+    const std::int32_t behind_cells = e - num_cells();
+    return behind_cells < num_lines() ? line(behind_cells) : sheet(behind_cells - num_lines());
   }
 
   const std::vector<std::int32_t>& facets(const std::string& group,
@@ -118,16 +131,17 @@ enum class CellOrders { linear, any };
 /// Name of a side of a box: across an axis, at its low (0) or high (1) end.
 const char* box_side_name(int dim, int axis, int end);
 
-/// Groups of curves whose lines are cells; none: no lines are wanted, groups of curves are facets
-/// in the plane and groups of nodes in space.
+/// Groups of curves whose lines are cells, in space of surfaces, too, whose facets are; none: no
+/// lines are wanted, groups of curves are facets in the plane and groups of nodes in space.
 using LineGroupNames = std::optional<std::set<std::string>>;
 
 /// Gmsh file, format 4.1, ASCII or binary. Physical groups of dimension dim-1 become facet groups,
 /// of dimension dim cell groups, of lower dimension node groups. One cell type per mesh. Nodes that
 /// no cell or line uses are dropped, cells of negative volume reordered, facets turned outward; a
-/// facet between two cells stays as the file has it, and one of no cell between nodes of lines,
-/// such as the mesh of a net. A mesh of the plane must have one z for all nodes. The map of a cell
-/// must be invertible at its corners, of a quadratic one at all of its nodes.
+/// facet between two cells stays as the file has it, and one of no cell of a group among the names
+/// or between nodes of lines, such as the mesh of a net. A mesh of the plane must have one z for
+/// all nodes. The map of a cell must be invertible at its corners, of a quadratic one at all of its
+/// nodes.
 /// @throws ConfigError  file and line or section, what was found; with lines: one without length,
 ///                      the same one twice, a group of curves on nodes of no cell that is not among
 ///                      the names

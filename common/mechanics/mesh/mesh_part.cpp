@@ -24,11 +24,12 @@ MeshPart<dim> MeshParts<dim>::take(int part) {
   numbers.num_lines = mesh_.num_lines();
   for (std::int32_t e = 0; e < mesh_.num_elements(); ++e) {
     if (part_of_element_[e] != part) continue;
-    const bool is_cell = e < mesh_.num_cells();
-    if (is_cell) numbers.cells.push_back(e);
-    if (!is_cell) numbers.lines.push_back(e - mesh_.num_cells());
+    const std::int32_t line = e - mesh_.num_cells(), sheet = line - mesh_.num_lines();
+    if (line < 0) numbers.cells.push_back(e);
+    if (line >= 0 && sheet < 0) numbers.lines.push_back(line);
+    if (sheet >= 0) numbers.sheets.push_back(sheet);
     for (const std::int32_t i : mesh_.element(e)) {
-      (is_cell ? mesh.cells : mesh.lines).push_back(i);
+      (line < 0 ? mesh.cells : sheet < 0 ? mesh.lines : mesh.sheets).push_back(i);
       places_[i] = 0;
     }
   }
@@ -40,6 +41,7 @@ MeshPart<dim> MeshParts<dim>::take(int part) {
   }
   for (std::int32_t& i : mesh.cells) i = places_[i];
   for (std::int32_t& i : mesh.lines) i = places_[i];
+  for (std::int32_t& i : mesh.sheets) i = places_[i];
   take_facets(taken);
   take_groups(taken);
   for (const std::int32_t i : numbers.nodes) places_[i] = -1;
@@ -86,6 +88,7 @@ template <int dim>
 void MeshParts<dim>::take_groups(MeshPart<dim>& part) const {
   take_members(mesh_.cell_groups, part.numbers.cells, part.mesh.cell_groups);
   take_members(mesh_.line_groups, part.numbers.lines, part.mesh.line_groups);
+  take_members(mesh_.sheet_groups, part.numbers.sheets, part.mesh.sheet_groups);
   take_members(mesh_.node_groups, part.numbers.nodes, part.mesh.node_groups);
 }
 

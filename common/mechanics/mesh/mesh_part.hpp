@@ -14,9 +14,10 @@ namespace gabion {
 /// Numbers of the nodes, cells and facets of a part in the whole mesh. Those of the part are
 /// numbered anew, 0, 1, ..., in the order of their numbers in the whole.
 struct PartNumbers {
-  std::vector<std::int32_t> nodes;  ///< in the whole, ascending
-  std::vector<std::int32_t> cells;  ///< in the whole, ascending
-  std::vector<std::int32_t> lines;  ///< in the whole, ascending
+  std::vector<std::int32_t> nodes;   ///< in the whole, ascending
+  std::vector<std::int32_t> cells;   ///< in the whole, ascending
+  std::vector<std::int32_t> lines;   ///< in the whole, ascending
+  std::vector<std::int32_t> sheets;  ///< in the whole, ascending
   /// Places of the facets of the part in each group of the whole, ascending.
   std::map<std::string, std::vector<std::int64_t>> facets;
   std::int32_t num_nodes = 0;  ///< of the whole
@@ -24,8 +25,8 @@ struct PartNumbers {
   std::int32_t num_lines = 0;  ///< of the whole
 };
 
-/// Some cells and lines of a mesh and their nodes. It has all groups of the whole, with its own
-/// facets, cells, lines and nodes.
+/// Some cells, lines and sheets of a mesh and their nodes. It has all groups of the whole, with its
+/// own facets, cells, lines, sheets and nodes.
 template <int dim>
 struct MeshPart {
   Mesh<dim> mesh;

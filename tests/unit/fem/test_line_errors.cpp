@@ -107,7 +107,7 @@ TEST(LineErrors, groups_of_lines) {
                    const Json rope = json["materials"][2];
                    json["materials"] = Json::array({rope});
                  },
-                 {"/materials", "lines only", "quad4"});
+                 {"/materials", "lines or membranes only", "quad4"});
   GmshText doubled = guyed_tower();
   doubled.groups.push_back({1, 20, "second"});
   doubled.entities.back().groups.push_back(20);
