@@ -16,6 +16,14 @@ namespace {
 // its radius.
 constexpr double usual_speed = 10, usual_depth = 0.01;
 
+// A flat ellipsoid may be no deeper than its smallest semi-axis allows.
+template <int dim>
+double smallest_radius(const BoulderShape<dim>& shape) {
+  const bool is_ellipsoid = shape.axes[0] > 0;
+  return is_ellipsoid ? shape.radius * (shape.axes.minCoeff() / shape.axes.maxCoeff())
+                      : shape.radius;
+}
+
 }  // namespace
 
 std::vector<Key> boulder_law_keys() {
@@ -68,11 +76,14 @@ void read_boulder_law(ConfigReader& in, BoulderSettings<dim>& boulder) {
 template <int dim>
 double usual_stiffness(const BoulderShape<dim>& shape) {
   return 1.5 * shape.mass.mass * usual_speed * usual_speed /
-         std::pow(usual_depth * shape.radius, 3);
+         std::pow(usual_depth * smallest_radius(shape), 3);
 }
 
 std::string usual_stiffness_words() {
-  return fmt::format("stops {:g} m/s within {:g} of the radius", usual_speed, usual_depth);
+  return fmt::format(
+      "stops {:g} m/s within {:g} of the radius, of an ellipsoid of its smallest "
+      "semi-axis",
+      usual_speed, usual_depth);
 }
 
 template void read_boulder_law<2>(ConfigReader&, BoulderSettings<2>&);

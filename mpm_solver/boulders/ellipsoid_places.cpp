@@ -81,6 +81,7 @@ bool place_on_facet(const OnPath<Ellipsoid>& own, const OnPath<HardCorners>& fac
 
 EllipsoidPlace place_between(const OnPath<Ellipsoid>& own, const OnPath<Ellipsoid>& other) {
   EllipsoidPlace place = placed(own.half, own.half.to(other.half));
+  place.extent = std::min(place.extent, other.half.extent(place.direction));
   place.foot.support = 0;
   place.g0 = own.start.to(other.start).gap;
   place.g1 = own.end.to(other.end).gap;

@@ -19,7 +19,7 @@ struct OnPath {
 struct EllipsoidPlace {
   HardFoot foot = {};                       ///< on a facet
   double g0 = 0, g1 = 0;                    ///< gaps at the start and at the end [m]
-  double extent = 0;                        ///< of the ellipsoid along the direction [m]
+  double extent = 0;                        ///< smallest of an ellipsoid, along the direction [m]
   Vector<3> direction = Vector<3>::Zero();  ///< of length 1, into the ellipsoid
   Vector<3> normal = Vector<3>::Zero();     ///< near to it, of the force
   Vector<3> x = Vector<3>::Zero();

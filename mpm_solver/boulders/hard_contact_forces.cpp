@@ -33,6 +33,12 @@ double restitution_factor(double e, double rate) {
   return kept(e) - (1 - e * e) / 2 * std::clamp(rate / blend_speed, -1.0, 1.0);
 }
 
+// Share of its length that a spring keeps as its stiffness changes: a stiffer one keeps its force,
+// a softer one its length, so that neither stores more than before.
+double length_kept(double stiffness_before, double stiffness) {
+  return std::min(1.0, stiffness_before / stiffness);
+}
+
 // A spring that slips at a limit: it dissipates energy or keeps it.
 Vector<3> spring(const Vector<3>& stretched, double stiffness, double limit) {
   const double size = stiffness * stretched.norm();
@@ -51,7 +57,7 @@ HardLaw HardContact::law_of(std::int32_t a, std::int32_t b) const {
           .rolling = std::min(p.rolling, q.rolling)};
 }
 
-// The tangential direction is as stiff as the normal one is under the weight.
+// The tangential direction is at least as stiff as the normal one is under the weight.
 double HardContact::tangential_stiffness(std::int32_t a, std::int32_t b, const HardLaw& law) const {
   double mass = infinity;
   for (const std::int32_t c : {a, b}) {
@@ -98,10 +104,16 @@ void HardContact::add_place(const Under& under, const Place& place, Sums& sums) 
   const double gap = place.g1 + place.offset;
   memory.offset = std::min(0.0, std::max(place.offset, gap));
   memory.gap = gap - memory.offset;
-  const double stiffness = tangential_stiffness(a, b, law);
+  const double least = tangential_stiffness(a, b, law);
+  const double stiffness = tangential_at(memory.gap, least, law);
+  const double kept_length = length_kept(tangential_at(place.known.gap, least, law), stiffness);
+  memory.slip *= kept_length;
+  memory.turn *= kept_length;
   memory.slip += under.relative_motion(place);
   memory.slip -= n.dot(memory.slip) * n;
   memory.slip = spring(memory.slip, stiffness, law.friction * N);
+  if (memory.offset == 0 && -memory.gap > place.most_depth)
+    sums.too_deep = {.pair = place.pair, .depth = -memory.gap, .most = place.most_depth};
   const Vector<3> force = N * place.normal - stiffness * memory.slip;
   Vector<3> moment = Vector<3>::Zero();
   const double radius = under.sphere_radius(a);
@@ -135,10 +147,11 @@ double HardContact::stored_energy(const HardMemories& memories) const {
   double sum = 0;
   for (const auto& [key, list] : memories) {
     const HardLaw law = law_of(key[0], key[2]);
-    const double stiffness = tangential_stiffness(key[0], key[2], law);
+    const double least = tangential_stiffness(key[0], key[2], law);
     const double share = gives(key[0], key[2]) ? 1 : kept(law.restitution);
     const double radius = key[0] < num_bodies() ? bodies_[key[0]].sphere : 0;
     for (const HardMemory& memory : list) {
+      const double stiffness = tangential_at(memory.gap, least, law);
       const double depth = std::max(-memory.gap, 0.0);
       sum += share * law.stiffness * depth * depth * depth / 3;
       sum += 0.5 * stiffness * memory.slip.squaredNorm();

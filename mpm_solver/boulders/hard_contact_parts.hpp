@@ -16,6 +16,13 @@ namespace gabion::mpm {
 /// Cosine of the angle between normals of one place in two substeps.
 inline constexpr double same_normal = 0.9;
 
+/// Stiffness of the tangential direction: that of the normal one at this gap, and no less than the
+/// least one. With the least one alone the friction of an impact would be the smaller, the faster
+/// and the stiffer the bodies are [N/m].
+inline double tangential_at(double gap, double least, const HardLaw& law) {
+  return std::max(least, -2 * law.stiffness * gap);
+}
+
 struct HardContact::Pair {
   std::int32_t a = 0, sphere = 0;  // what has the sphere: a body, or an obstacle with its vertex
   std::int32_t b = 0, facet = 0;   // what has the facet, -1: it is a sphere about the centre
@@ -33,8 +40,9 @@ struct HardContact::Place {
   HardFoot foot;
   double g0 = 0, g1 = 0, offset = 0;
   double distance = 0;  // of the middles of the sphere and of the surface there
-  double extent = std::numeric_limits<double>::infinity();  // of ellipsoids along the direction
-  Vector<3> direction = Vector<3>::Zero();                  // from b to a, of length 1
+  double extent = std::numeric_limits<double>::infinity();      // of ellipsoids along the direction
+  double most_depth = std::numeric_limits<double>::infinity();  // deeper is on the other side
+  Vector<3> direction = Vector<3>::Zero();                      // from b to a, of length 1
   Vector<3> normal = Vector<3>::Zero();  // near to it; n . (relative displacement) is g1 - g0
   Vector<3> x = Vector<3>::Zero();       // in the middle of the substep
   HardMemory known;
@@ -43,7 +51,13 @@ struct HardContact::Place {
 };
 
 struct HardContact::Sums {
+  /// A place where a sphere or ellipsoid is deeper than it may be; no body: there is none.
+  struct Depth {
+    Pair pair = {.a = -1};
+    double depth = 0, most = 0;
+  };
   std::vector<BodyLoad> loads;
+  Depth too_deep = {};
   /// Forces on vertices of obstacles in contact, by obstacle and vertex [N].
   std::map<std::array<std::int32_t, 2>, Vector<3>> nodal_forces = {};
   HardMemories memories = {};

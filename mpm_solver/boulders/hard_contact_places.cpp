@@ -69,7 +69,8 @@ bool HardContact::point_place(std::span<const Pair> group, const Under& under,
 
 bool HardContact::sphere_place(const Pair& pair, const Under& under, Place& place) const {
   if (!locate(pair, under, place)) return false;
-  return std::max(place.g0, place.g1) > -deepest * std::min(size_of(pair), place.extent);
+  place.most_depth = deepest * std::min(size_of(pair), place.extent);
+  return std::max(place.g0, place.g1) > -place.most_depth;
 }
 
 // The sphere or ellipsoid that has the number a, on a facet or another one.

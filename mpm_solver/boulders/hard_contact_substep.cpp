@@ -53,8 +53,9 @@ double HardContact::stiffness_over_mass(const Place& place, std::int32_t c, doub
   const double impact = std::cbrt(1.5 * body.mass.mass * speed * speed / law.stiffness);
   const double depth = std::max(-place.g0, 0.0);
   now = 2 * law.stiffness * depth * mobility;
-  return now + mobility * (2 * law.stiffness * impact +
-                           tangential_stiffness(place.pair.a, place.pair.b, law));
+  const double tangential = tangential_at(
+      std::min(place.g0, -impact), tangential_stiffness(place.pair.a, place.pair.b, law), law);
+  return now + mobility * (2 * law.stiffness * impact + tangential);
 }
 
 // Length of the next substep, by the gaps and depths at its start.
@@ -146,6 +147,7 @@ bool HardContact::solve_substep(double h, const HardMemories& memories,
     stalls = change < least ? 0 : stalls + 1;
     if (change <= same_place || (stalls >= most_stalls && change < same_at_worst)) {
       sums.memories = std::move(now.memories);
+      sums.too_deep = now.too_deep;
       return true;
     }
     least = std::min(least, change);

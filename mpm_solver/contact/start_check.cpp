@@ -5,15 +5,20 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
+#include <numeric>
+#include <span>
 #include <utility>
 
 #include "common/base/log.hpp"
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
+#include "mpm_solver/contact/point_cubes.hpp"
 #include "mpm_solver/contact/sided_surface.hpp"
 
 namespace gabion::mpm {
@@ -191,6 +196,88 @@ Eigen::AlignedBox<double, dim> box_around(const std::vector<Vector<dim>>& vertic
   return box;
 }
 
+// Surfaces that a point may be near to, ascending.
+class NearSurfaces {
+ public:
+  // @param always  surfaces that every point is asked for, ascending
+  // @param hits    [point, surface] of the others, ascending in the surface
+  NearSurfaces(std::vector<std::int32_t> always, std::span<const std::array<std::int32_t, 2>> hits,
+               std::int32_t num_points)
+      : always_(std::move(always)), starts_(static_cast<std::size_t>(num_points) + 1, 0) {
+    for (const auto& [p, k] : hits) ++starts_[p + 1];
+    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+    others_.resize(hits.size());
+    std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
+    for (const auto& [p, k] : hits) others_[next[p]++] = k;
+  }
+  void of_point(std::int32_t p, std::vector<std::int32_t>& surfaces) const {
+    surfaces.clear();
+    std::ranges::merge(always_, std::span(others_).subspan(starts_[p], starts_[p + 1] - starts_[p]),
+                       std::back_inserter(surfaces));
+  }
+
+ private:
+  std::vector<std::int32_t> always_, others_;
+  std::vector<std::size_t> starts_;
+};
+
+// Soil farther than `reach` from a boulder's box does not meet it.
+template <int dim>
+NearSurfaces near_surfaces(const std::vector<StartSurface<dim>>& surfaces,
+                           const PointCubes<dim>& points, double reach) {
+  std::vector<std::int32_t> always;
+  std::vector<std::array<std::int32_t, 2>> hits;
+  for (std::int32_t k = 0; k < std::ssize(surfaces); ++k) {
+    if (!surfaces[k].is_boulder) {
+      always.push_back(k);
+      continue;
+    }
+    const auto box = box_around<dim>(surfaces[k].vertices);
+    points.for_near(box, reach, [&](std::int32_t p, const Vector<dim>& x) {
+      if (box.squaredExteriorDistance(x) <= reach * reach) hits.push_back({p, k});
+    });
+  }
+  return {std::move(always), hits, points.size()};
+}
+
+// The smallest gap that points of this rank have, of those no farther than `reach`; points that are
+// nearer to the box around the surface come first.
+template <int dim>
+double smallest_gap_within(double reach, const StartSurface<dim>& surface,
+                           const MaterialPoints<dim>& points, const PointCubes<dim>& cubes) {
+  const auto box = box_around<dim>(surface.vertices);
+  std::vector<std::pair<double, std::int32_t>> near;  // squared distances from the box
+  double thickest = 0;
+  cubes.for_near(box, reach, [&](std::int32_t p, const Vector<dim>& x) {
+    near.emplace_back(box.squaredExteriorDistance(x), p);
+    thickest = std::max(thickest, points.depth[p]);
+  });
+  double gap = std::numeric_limits<double>::infinity();
+  if (near.empty()) return gap;
+  std::ranges::sort(near);
+  const SidedSurface<dim> sided(surface.settings.surface, surface.vertices, reach);
+  for (const auto& [distance, p] : near) {
+    const double within = gap + points.depth[p], farthest = gap + thickest;
+    if (distance > (1 + same_distance) * farthest * farthest) break;
+    if (distance > (1 + same_distance) * within * within) continue;
+    const SurfaceSide side = sided.side(points.x[p], within);
+    if (side.known() && side.in_front()) gap = std::min(gap, side.distance - points.depth[p]);
+  }
+  return gap;
+}
+
+// @param widest  largest_size() of the points of all ranks
+template <int dim>
+double smallest_gap(MPI_Comm comm, const StartSurface<dim>& surface,
+                    const MaterialPoints<dim>& points, const PointCubes<dim>& cubes,
+                    double cell_size, double widest, double farthest) {
+  for (double reach = near_cells * cell_size;; reach *= 4) {
+    const double own = smallest_gap_within<dim>(reach + widest, surface, points, cubes);
+    const double gap = -max_over_ranks(comm, -own);
+    if (gap <= reach || reach > farthest) return gap;
+  }
+}
+
 }  // namespace
 
 template <int dim>
@@ -218,26 +305,25 @@ std::vector<SoilAtStart<dim>> soil_at_start(const std::vector<StartSurface<dim>>
   const double near_distance = near_cells * cell_size;
   const double reach = std::max(near_distance, largest_size(points));
   std::vector<SidedSurface<dim>> sided;
-  std::vector<Eigen::AlignedBox<double, dim>> boxes;  // soil elsewhere does not meet a boulder
   for (const auto& surface : surfaces) {
     sided.emplace_back(surface.settings.surface, surface.vertices, reach);
-    boxes.push_back(box_around<dim>(surface.vertices));
   }
-  const auto is_apart = [&](std::size_t k, const Vector<dim>& x) {
-    return surfaces[k].is_boulder && boxes[k].squaredExteriorDistance(x) > reach * reach;
-  };
+  const NearSurfaces near =
+      near_surfaces<dim>(surfaces, PointCubes<dim>(points.x, cell_size), reach);
   std::vector<SoilAtStart<dim>> found(surfaces.size());
-  std::vector<SurfaceSide> sides(surfaces.size());
+  std::vector<std::int32_t> asked;
+  std::vector<SurfaceSide> sides;  // of these
   for (std::int32_t p = 0; p < points.size(); ++p) {
-    for (std::size_t k = 0; k < sided.size(); ++k) {
-      sides[k] = is_apart(k, points.x[p]) ? SurfaceSide{} : sided[k].side(points.x[p]);
-    }
+    near.of_point(p, asked);
+    sides.clear();
+    for (const std::int32_t k : asked) sides.push_back(sided[k].side(points.x[p]));
     const int owner = owner_of(sides);
     const StartSphere<dim> sphere = start_sphere(points, p);
-    for (std::size_t k = 0; k < sided.size(); ++k) {
-      if (!sides[k].known() || (!sides[k].in_front() && owner != static_cast<int>(k))) continue;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      const std::int32_t k = asked[i];
+      if (!sides[i].known() || (!sides[i].in_front() && owner != static_cast<int>(i))) continue;
       const bool measured = std::holds_alternative<FacetSettings>(surfaces[k].settings.method);
-      add_point<dim>(sphere, sides[k], measured, near_distance, found[k]);
+      add_point<dim>(sphere, sides[i], measured, near_distance, found[k]);
     }
   }
   return found;
@@ -246,21 +332,8 @@ std::vector<SoilAtStart<dim>> soil_at_start(const std::vector<StartSurface<dim>>
 template <int dim>
 double smallest_gap(MPI_Comm comm, const StartSurface<dim>& surface,
                     const MaterialPoints<dim>& points, double cell_size, double farthest) {
-  const double widest = max_over_ranks(comm, largest_size(points));
-  const auto box = box_around<dim>(surface.vertices);
-  for (double reach = near_cells * cell_size;; reach *= 4) {
-    const SidedSurface<dim> sided(surface.settings.surface, surface.vertices, reach + widest);
-    double gap = std::numeric_limits<double>::infinity();
-    for (std::int32_t p = 0; p < points.size(); ++p) {
-      const double within = gap + points.depth[p];
-      if (box.squaredExteriorDistance(points.x[p]) > (1 + same_distance) * within * within)
-        continue;
-      const SurfaceSide side = sided.side(points.x[p], within);
-      if (side.known() && side.in_front()) gap = std::min(gap, side.distance - points.depth[p]);
-    }
-    gap = -max_over_ranks(comm, -gap);
-    if (gap <= reach || reach > farthest) return gap;
-  }
+  return smallest_gap<dim>(comm, surface, points, PointCubes<dim>(points.x, cell_size), cell_size,
+                           max_over_ranks(comm, largest_size(points)), farthest);
 }
 
 template <int dim>
@@ -324,11 +397,13 @@ void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
   const bool together =
       std::ranges::count_if(surfaces, &StartSurface<dim>::is_boulder) > most_lines;
   std::vector<std::pair<std::string, double>> gaps;  // of boulders that share a line
+  const PointCubes<dim> cubes(points.x, cell_size);
+  const double widest = max_over_ranks(comm, largest_size(points));
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
     const ContactSettings<dim>& settings = surfaces[k].settings;
     refuse<dim>(settings, verdict_of<dim>(comm, found[k]));
-    const double gap =
-        smallest_gap<dim>(comm, surfaces[k], points, cell_size, grid.diagonal().norm());
+    const double gap = smallest_gap<dim>(comm, surfaces[k], points, cubes, cell_size, widest,
+                                         grid.diagonal().norm());
     if (surfaces[k].is_boulder && together) {
       gaps.emplace_back(settings.name, gap);
     } else {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <limits>
 #include <optional>
 #include <unordered_map>
 
@@ -28,6 +28,7 @@ constexpr double inner_corner_cosine = 0.34, inner_corner_reach = 1.5;
 // Faces that bend by less than 45 degrees, as those of rough ground, are no corner.
 constexpr double least_bend_cosine = 0.7;
 constexpr double same_place = 1e-6;  // share of two cells
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A box around the normals of some faces.
 template <int dim>
@@ -44,41 +45,144 @@ struct NormalBox {
     const double least = low.cwiseProduct(normal).cwiseMin(high.cwiseProduct(normal)).sum();
     return !(least > 1e-9 - opposite_cosine);
   }
+  bool may_oppose(const NormalBox& other) const {
+    const auto products = [this](const Vector<dim>& normal) {
+      return Vector<dim>(low.cwiseProduct(normal).cwiseMin(high.cwiseProduct(normal)));
+    };
+    return products(other.low).cwiseMin(products(other.high)).sum() <= 1e-9 - opposite_cosine;
+  }
 };
 
-// The simplices of a list by where their normals point to: of many, few look away from a face.
+// Cubes of normals, by numbers.
+template <int dim>
+class NormalCubes {
+  static constexpr int a_length = 4, a_side = 2 * a_length + 1;
+
+ public:
+  static constexpr int count = (dim == 2 ? 1 : a_side) * a_side * a_side;
+
+  // 0, where no normal is, if it is not known.
+  static int of(const Vector<dim>& normal) {
+    int cube = 0;
+    for (int d = 0; d < dim && normal.allFinite(); ++d) {
+      cube = cube * a_side + a_length +
+             static_cast<int>(std::floor(a_length * std::clamp(normal[d], -1.0, 1.0)));
+    }
+    return cube;
+  }
+  // Cubes of normals that may look away from this one.
+  static const std::vector<std::int32_t>& opposite(const Vector<dim>& normal) {
+    static const auto table = make_table();
+    return table[of(normal)];
+  }
+
+ private:
+  static NormalBox<dim> box_of(int cube) {
+    Vector<dim> low;
+    for (int d = dim - 1; d >= 0; --d, cube /= a_side) low[d] = 1. * (cube % a_side) / a_length - 1;
+    NormalBox<dim> box;
+    box.add(low);
+    box.add(low + Vector<dim>::Constant(1. / a_length));
+    return box;
+  }
+  static std::vector<std::vector<std::int32_t>> make_table() {
+    std::vector<std::vector<std::int32_t>> table(count);
+    for (int cube = 0; cube < count; ++cube) {
+      const NormalBox<dim> box = box_of(cube);
+      for (int other = 0; other < count; ++other) {
+        if (cube == 0 || other == 0 || box.may_oppose(box_of(other))) table[cube].push_back(other);
+      }
+    }
+    return table;
+  }
+};
+
+// The simplices of a list by their surfaces, and by where their normals point to: of many, few look
+// away from a face and are behind it. Of a heap of bodies most are far.
 template <int dim>
 class ByNormal {
+  using Cubes = NormalCubes<dim>;
+
  public:
-  ByNormal(const Faces<dim>& faces, std::span<const std::int32_t> list) {
-    std::map<std::array<int, dim>, Group> groups;
-    for (const std::int32_t s : list) {
-      const Vector<dim>& normal = faces.bounds[s].normal;
-      std::array<int, dim> cube{};
-      for (int d = 0; d < dim && normal.allFinite(); ++d) {
-        cube[d] = static_cast<int>(std::floor(cubes_a_length * normal[d]));
-      }
-      Group& group = groups[cube];
-      group.box.add(normal);
-      group.simplices.push_back(s);
+  ByNormal(const Faces<dim>& faces, std::span<const std::int32_t> list) : simplices_(list.size()) {
+    for (std::size_t first = 0, end = 0; first < list.size(); first = end) {
+      const std::size_t surface = faces.surface[list[first]];
+      while (end < list.size() && faces.surface[list[end]] == surface) ++end;
+      add_surface(faces, list.subspan(first, end - first), first);
     }
-    for (auto& [cube, group] : groups) groups_.push_back(std::move(group));
   }
-  // Call with each that may look away from a face with this normal, in any order.
+  // Call with each that may look away from a face, be behind its middle and no farther from that
+  // than `reach`, in any order.
   template <class Function>
-  void for_opposite(const Vector<dim>& normal, const Function& call) const {
-    for (const Group& group : groups_) {
-      if (group.box.may_oppose(normal)) std::ranges::for_each(group.simplices, call);
+  void for_opposite(const SimplexBounds<dim>& face, double reach, const Function& call) const {
+    for (const Surface& surface : surfaces_) {
+      if (surface.place.is_apart(face, reach)) continue;
+      for (const std::int32_t cube : Cubes::opposite(face.normal)) {
+        const std::int32_t g = surface.group_of[cube];
+        if (g < 0) continue;
+        const Group& group = groups_[g];
+        if (!group.normals.may_oppose(face.normal) || group.place.is_apart(face, reach)) continue;
+        std::for_each(simplices_.begin() + group.first, simplices_.begin() + group.end, call);
+      }
     }
   }
 
  private:
-  static constexpr double cubes_a_length = 4;
-  struct Group {
-    NormalBox<dim> box;
-    std::vector<std::int32_t> simplices;
+  // A box around simplices.
+  struct Place {
+    Vector<dim> low = Vector<dim>::Constant(infinity), high = Vector<dim>::Constant(-infinity);
+
+    void add(const SimplexBounds<dim>& of) {
+      low = low.cwiseMin((of.centre.array() - of.radius).matrix());
+      high = high.cwiseMax((of.centre.array() + of.radius).matrix());
+    }
+    // Whether all of it is farther from the middle of a face, or before the face.
+    bool is_apart(const SimplexBounds<dim>& face, double reach) const {
+      const Vector<dim> nearest = face.centre.cwiseMax(low).cwiseMin(high);
+      const double farthest = (1 + same_place) * reach;
+      if ((face.centre - nearest).squaredNorm() > farthest * farthest) return true;
+      const Vector<dim>& n = face.normal;
+      const double before =
+          n.cwiseProduct(low - face.centre).cwiseMin(n.cwiseProduct(high - face.centre)).sum();
+      return before > same_place * reach;
+    }
   };
+  // All of a surface; simplices of a surface with about one normal.
+  struct Surface {
+    Place place = {};
+    std::vector<std::int32_t> group_of = std::vector<std::int32_t>(Cubes::count, -1);  // -1: none
+  };
+  struct Group {
+    Place place = {};
+    NormalBox<dim> normals = {};
+    std::size_t first = 0, end = 0;  // in simplices_
+  };
+
+  // @param place  of the surface in simplices_
+  void add_surface(const Faces<dim>& faces, std::span<const std::int32_t> list, std::size_t place) {
+    std::array<std::size_t, Cubes::count> counts{};
+    for (const std::int32_t s : list) ++counts[Cubes::of(faces.bounds[s].normal)];
+    Surface& surface = surfaces_.emplace_back();
+    for (int cube = 0; cube < Cubes::count; ++cube) {
+      if (counts[cube] == 0) continue;
+      surface.group_of[cube] = static_cast<std::int32_t>(groups_.size());
+      Group& group = groups_.emplace_back();
+      group.first = group.end = place;
+      place += counts[cube];
+    }
+    for (const std::int32_t s : list) {
+      const SimplexBounds<dim>& bounds = faces.bounds[s];
+      Group& group = groups_[surface.group_of[Cubes::of(bounds.normal)]];
+      simplices_[group.end++] = s;
+      group.normals.add(bounds.normal);
+      group.place.add(bounds);
+      surface.place.add(bounds);
+    }
+  }
+
+  std::vector<std::int32_t> simplices_;
   std::vector<Group> groups_;
+  std::vector<Surface> surfaces_;
 };
 
 // The faces that may have an opposite face; on a slope there are none.
@@ -197,7 +301,8 @@ std::vector<FacePair> thin_pairs(const Faces<dim>& faces, double cell_size) {
       if (thickness >= (1 - same_place) * limit) return;
       if (corners.has(t, place, near)) pairs.push_back({s, t, thickness});
     };
-    lists.try_emplace(near.data(), faces, near).first->second.for_opposite(front.normal, look_at);
+    lists.try_emplace(near.data(), faces, near)
+        .first->second.for_opposite(front, inner_corner_reach * limit, look_at);
     std::sort(pairs.begin() + known, pairs.end(),
               [](const FacePair& a, const FacePair& b) { return a.back < b.back; });
   }

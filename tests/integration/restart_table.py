@@ -169,6 +169,46 @@ def coupled_3d() -> Scene:
     return made
 
 
+def stone(name: str, axes: list, centre: list, velocity: list, **changes: object) -> dict:
+    return {"name": name, "shape": {"ellipsoid": axes}, "density": 2650, "centre": centre, "velocity": velocity,
+            "friction": 0.5} | changes
+
+
+def ellipses() -> dict:
+    """One rolls, one slides into the wall and back against the first; the soil is elsewhere."""
+    floor = gate(name="floor", surface={"polyline": [[0.8, 0.01], [0.1, 0.01]], "spacing": 0.02})
+    wall = gate(surface={"polyline": [[0.6, 0.2], [0.6, 0.01]], "spacing": 0.02})
+    settings = soil(grid=box([0, 0], [0.8, 0.24], [40, 12]), rigid_walls=[floor, wall])
+    settings["bodies"][0] |= {"mesh": box([0, 0], [0.04, 0.04], [2, 2]), "velocity": [0, 0]}
+    settings["probes"] = [{"name": "P", "point": [0.02, 0.02]}]
+    return settings | {"boulders": [
+        stone("rolls", [0.05, 0.035], [0.45, 0.045001], [1, 0], spin=[-28]),
+        stone("slides", [0.04, 0.03], [0.55, 0.0489], [2, 0], orientation=[1.2])]}
+
+
+def ellipsoids() -> dict:
+    """Two on a floor in space, one rolls against the other."""
+    settings = soil_3d()
+    settings["grid"] = box([0, 0, 0], [0.96, 0.32, 0.24], [24, 8, 6], "hex8")
+    settings["bodies"][0] |= {"mesh": box([0, 0, 0], [0.08, 0.08, 0.24], [2, 2, 6], "hex8"), "velocity": [0, 0, 0]}
+    settings["probes"] = [{"name": "P", "point": [0.04, 0.04, 0.1]}]
+    ground = {"mesh": box([0.1, -0.1, 0], [0.96, 0.02, 0.24], [8, 1, 4], "hex8"), "groups": ["back"]}
+    return settings | {"rigid_walls": [gate(name="floor", surface=ground)], "boulders": [
+        stone("rolls", [0.08, 0.065, 0.07], [0.4, 0.085001, 0.12], [2, 0, 0.1], spin=[0, 0, -30]),
+        stone("lies", [0.1, 0.065, 0.07], [0.5841, 0.085001, 0.12], [0, 0, 0])]}
+
+
+def ellipse_meets_wall() -> Scene:
+    """A tilted ellipse against the wall of finite elements, soil far from both."""
+    made = meeting()
+    settings = made["mpm"]
+    settings["bodies"][0] |= {"mesh": box([0, 0], [0.04, 0.04], [2, 2]), "velocity": [0, 0]}
+    del settings["interfaces"][0]["method"], settings["interfaces"][0]["penalty"]
+    settings["boulders"] = [stone("stone", [0.045, 0.032], [0.2056, 0.045], [0.5, 0], orientation=[0.5],
+                                  stiffness=1e8)]
+    return made
+
+
 def accelerated(method: str, scheme: str = "serial_implicit") -> dict:
     return {"scheme": scheme, "acceleration": {"method": method}}
 
@@ -207,6 +247,10 @@ CASES = [
          (0.008, 0.032, 0.048), CUT),
     Case("points that leave the grid", only_soil(splash, 0.011), (0.003, 0.01), ("removed_points", 1)),
     Case("moving walls of both kinds", only_soil(moving_walls, 0.02), (0.005, 0.015), TOUCHED),
+    Case("ellipses that roll, slide and touch each other, a floor and a wall",
+         only_soil(ellipses, 0.03), (0.005, 0.011, 0.025), ("boulder_contact_energy", 1e-6)),
+    Case("ellipsoids on a floor, explicit steps",
+         only_soil(lambda: ellipsoids() | scheme("explicit"), 0.01), (0.004,), ("boulder_contact_energy", 1e-6)),
     Case("structure, Newmark", only_structure(structure), (0.005, 0.012)),
     Case("structure, Bossak", only_structure(lambda: structure(**scheme("bossak", alpha=-0.2), mass="lumped")),
          (0.005, 0.012)),
@@ -231,5 +275,6 @@ CASES = [
          coupled(mpm=scheme("bossak", alpha=-0.3), fem=scheme("bossak", alpha=-0.3) | {"mass": "lumped"}), (0.011,),
          TOUCHED),
     Case("coupled, explicit steps of the soil", coupled_explicit, (0.011,), TOUCHED),
+    Case("ellipse against a structure", ellipse_meets_wall, (0.006, 0.0105), ("boulder_contact_energy", 1e-9)),
     Case("coupled in 3D", coupled_3d, (0.008, 0.014), TOUCHED),
 ]

@@ -68,6 +68,67 @@ class StoneMeetsWall(IntegrationCase):
         self.run_with("newmark")
 
 
+def ellipsoid_meets_block(dim: int, height: float) -> dict[str, dict]:
+    """An ellipsoid comes tilted to a block that nothing holds; nothing has weight. At `height` 0.05 it meets the upper
+    edge or corner."""
+    files = meeting()
+    files["coupler"]["time"].update(end=0.03, dt=2.5e-4)
+    wide = [] if dim == 2 else [0.0]
+    low, high = [0.25, 0.0, *wide], [0.31, 0.05, *[0.04] * len(wide)]
+    block = {"box": {"low": low, "high": high, "cells": [3, 5, *[2] * len(wide)],
+                     "type": "quad4" if dim == 2 else "hex8"}}
+    files["fem"] = {"dimension": dim, "mesh": block,
+                    "material": {"law": "neo_hookean", "density": 2000, "young_modulus": 1e7, "poisson_ratio": 0.2},
+                    "interfaces": [{"name": "wall", "groups": ["left", "top", "right"]}]}
+    soil = files["mpm"]
+    soil.update(dimension=dim, gravity=[0] * dim, walls=[], time_integration={"scheme": "explicit"},
+                grid={"box": {"low": [0, -0.04, *[-0.06] * len(wide)], "high": [0.4, 0.16, *[0.1] * len(wide)],
+                              "cells": [20, 10, *[8] * len(wide)], "type": "quad4" if dim == 2 else "hex8"}},
+                interfaces=[{"name": "wall", "surface": {"mesh": block, "groups": ["left", "top", "right"]}}])
+    soil["bodies"][0].update(velocity=[0] * dim, points_per_cell=4 if dim == 2 else 8, mesh={"box": {
+        "low": [0.0, 0.0, *wide], "high": [0.04, 0.04, *[0.04] * len(wide)], "cells": [2, 2, *[2] * len(wide)],
+        "type": "quad4" if dim == 2 else "hex8"}})
+    turn = [0.6] if dim == 2 else [0.95, 0.1, 0.05, 0.28]
+    soil["boulders"] = [{"name": "stone", "shape": {"ellipsoid": [0.045, 0.032, *[0.036] * len(wide)]},
+                         "density": DENSITY, "friction": 0.3, "restitution": 0.5, "stiffness": 1e8, "orientation": turn,
+                         "centre": [0.2, height, *[0.02] * len(wide)], "velocity": [2 * SPEED, 0, *wide]}]
+    return files
+
+
+class EllipsoidMeetsBlock(IntegrationCase):
+    """Momentum of stone and block stays, their energy is never gained: on a face, an edge, a corner."""
+
+    def run_with(self, dim: int, height: float) -> None:
+        self.write_scene(ellipsoid_meets_block(dim, height))
+        self.run_launch(code=0)
+        probes = read_table(self.out / "probes.csv")
+        both = [[float(row[f"soil.boulders_momentum_{axis}"]) + float(row[f"structure.momentum_{axis}"]) for row in probes]
+                for axis in "xyz"[:dim]]
+        thrown = both[0][0]
+        for axis in both:
+            self.assertLess(max(abs(value - axis[0]) for value in axis), 1e-6 * thrown)
+        self.assertGreater(float(probes[-1]["structure.momentum_x"]), 0.1 * thrown)
+        energy = [sum(float(row[name]) for name in (
+            "soil.boulders_kinetic_energy", "soil.boulder_contact_energy", "structure.kinetic_energy",
+            "structure.elastic_energy")) for row in probes]
+        self.assertLess(max(now - last for now, last in zip(energy[1:], energy[:-1])), 2e-3 * energy[0])
+        self.assertLess(energy[-1], 0.95 * energy[0])
+        spin = float(probes[-1]["soil.stone.wz"])
+        self.assertGreater(abs(spin), 0.02)
+
+    def test_on_a_face(self) -> None:
+        self.run_with(2, 0.02)
+
+    def test_on_a_corner(self) -> None:
+        self.run_with(2, 0.065)
+
+    def test_on_a_face_in_space(self) -> None:
+        self.run_with(3, 0.02)
+
+    def test_on_an_edge_in_space(self) -> None:
+        self.run_with(3, 0.065)
+
+
 class ManyStones(IntegrationCase):
     """What the start says of them is a line each up to ten, and two lines beyond."""
 

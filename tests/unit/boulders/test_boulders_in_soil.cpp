@@ -198,34 +198,56 @@ TEST(BouldersInSoil, energy_and_momentum_of_boulders_are_accounted_for) {
   }
 }
 
+/// The scene of carried() with two ellipses that touch each other, soil and the gate.
+Json carried_ellipses(bool in_substeps) {
+  Json json = carried(in_substeps);
+  json["boulders"][0]["shape"] = {{"ellipsoid", {0.28, 0.18}}};
+  json["boulders"][0]["orientation"] = {0.4};
+  json["boulders"][0]["centre"] = {0.8, 0.66};
+  json["boulders"][0]["spin"] = {-4};
+  json["boulders"][0]["stiffness"] = 3e8;
+  json["boulders"].push_back(json["boulders"][0]);
+  json["boulders"][1]["name"] = "other";
+  json["boulders"][1]["shape"]["ellipsoid"] = {0.15, 0.25};
+  json["boulders"][1]["centre"] = {0.35, 0.67};
+  return json;
+}
+
 TEST(BouldersInSoil, a_run_goes_on_with_the_same_bits) {
   for (const bool in_substeps : {true, false}) {
-    Json json = carried(in_substeps);
-    if (!in_substeps) json["linear_solver"] = {{"method", "gmres"}};
-    const auto straight = mpm_solver<2>(json), first = mpm_solver<2>(json),
-               second = mpm_solver<2>(json);
-    const double dt = 1e-3;
-    run_steps(*straight, dt, 80);
-    run_steps(*first, dt, 50);
-    const State saved = gather_state(comm(), first->save_state());
-    load_gathered(comm(), saved, *second);
-    EXPECT_EQ(second->probes(), first->probes());
-    run_steps(*second, dt, 30, 51);
-    EXPECT_TRUE(same_bits<2>(second->points(), straight->points()));
-    EXPECT_EQ(second->probes(), straight->probes());
+    for (const bool ellipses : {false, true}) {
+      Json json = ellipses ? carried_ellipses(in_substeps) : carried(in_substeps);
+      if (!in_substeps) json["linear_solver"] = {{"method", "gmres"}};
+      const auto straight = mpm_solver<2>(json), first = mpm_solver<2>(json),
+                 second = mpm_solver<2>(json);
+      const double dt = 1e-3;
+      run_steps(*straight, dt, 60);
+      run_steps(*first, dt, 30);
+      const State saved = gather_state(comm(), first->save_state());
+      load_gathered(comm(), saved, *second);
+      EXPECT_EQ(second->probes(), first->probes());
+      if (ellipses) {
+        EXPECT_GT(probe(*first, "boulder_contact_energy"), 0);
+      }
+      run_steps(*second, dt, 30, 31);
+      EXPECT_TRUE(same_bits<2>(second->points(), straight->points()));
+      EXPECT_EQ(second->probes(), straight->probes());
+    }
   }
 }
 
 TEST(BouldersInSoil, ranks_agree) {
-  const auto shared = make_mpm(carried(true)), alone = make_mpm(carried(true), MPI_COMM_SELF);
-  run_steps(*shared, 1e-3, 60);
-  run_steps(*alone, 1e-3, 60);
-  for (const char* part : {"x", "y", "vx", "vy", "wz"}) {
-    const std::string name = std::string("stone.") + part;
-    EXPECT_NEAR(probe(*shared, name), probe(*alone, name), 1e-8) << name;
-    double all = probe(*shared, name);
-    MPI_Bcast(&all, 1, MPI_DOUBLE, 0, comm());
-    EXPECT_EQ(all, probe(*shared, name)) << name;  // every rank has the same bits
+  for (const Json& json : {carried(true), carried_ellipses(true)}) {
+    const auto shared = make_mpm(json), alone = make_mpm(json, MPI_COMM_SELF);
+    run_steps(*shared, 1e-3, 60);
+    run_steps(*alone, 1e-3, 60);
+    for (const char* part : {"x", "y", "vx", "vy", "wz"}) {
+      const std::string name = std::string("stone.") + part;
+      EXPECT_NEAR(probe(*shared, name), probe(*alone, name), 1e-8) << name;
+      double all = probe(*shared, name);
+      MPI_Bcast(&all, 1, MPI_DOUBLE, 0, comm());
+      EXPECT_EQ(all, probe(*shared, name)) << name;  // every rank has the same bits
+    }
   }
 }
 
@@ -353,6 +375,15 @@ TEST(BouldersInSoil, bad_input) {
                  {"/boulders/0/shape/box", "one of"});
   expect_refused(with("shape", Json::object()), {"/boulders/0/shape"});
   expect_refused(with("shape", {{"box", {1, 1, 1}}}), {"/boulders/0/shape/box", "2 numbers"});
+  expect_refused(with("shape", {{"ellipsoid", {0.3, 0.2, 0.2}}}),
+                 {"/boulders/0/shape/ellipsoid", "2 numbers"});
+  expect_refused(with("shape", {{"ellipsoid", {0.3}}}),
+                 {"/boulders/0/shape/ellipsoid", "2 numbers"});
+  expect_refused(with("shape", {{"ellipsoid", {0.3, 0}}}), {"/boulders/0/shape/ellipsoid", "0"});
+  expect_refused(with("shape", {{"ellipsoid", {-0.3, 0.3}}}),
+                 {"/boulders/0/shape/ellipsoid", "-0.3"});
+  expect_refused(with("shape", {{"ellipsoid", {0.3, "nan"}}}), {"/boulders/0/shape/ellipsoid"});
+  expect_refused(with("shape", {{"ellipsoid", {0.3, 0.1}}}), {"/boulders/0/shape", "0.1", "0.3 m"});
   expect_refused(with("shape", {{"triangles", "a.stl"}}),
                  {"/boulders/0/shape/triangles", "polygon"});
   expect_refused(with("shape", {{"polygon", {{0, 0}, {0, 1}, {1, 0}}}}),

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mpm_solver/boulders/ellipsoid.hpp"
 #include "tests/support/verification_row.hpp"
 #include "tests/unit/boulders/hard_scene.hpp"
 
@@ -184,6 +185,87 @@ TEST(VB11_Impact, peak_and_impulse_of_a_sphere_at_a_wall) {
           mass * (scene.now.states[0].v[2] + speed), 1e-3, "N s");
     }
   }
+}
+
+/// An ellipse that meets a plane off its centre of mass.
+struct EccentricImpact {
+  HardBody body;
+  Vector<3> v, r;  // speed of the centre before it [m/s], arm of the contact point [m]
+  double spin = 0;
+
+  EccentricImpact(double friction, const Vector<3>& speed, double angular_speed)
+      : body(hard_body(ellipsoid_shape<2>({0.6, 0.4}, 2650),
+                       {.friction = friction, .restitution = 0.5})),
+        v(speed),
+        spin(angular_speed) {
+    body.law.stiffness *= 1e8;  // it does not turn meanwhile
+    r = Ellipsoid(Vector<3>::Zero(), turned(), body.axes).support(-Vector<3>::UnitY());
+  }
+  static Eigen::Quaterniond turned() {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Vector<3>::UnitZ()));
+  }
+  // The impulse P of the ground on it from 0 to the end changes the velocity of the contact point
+  // by M P.
+  Matrix<2> mobility() const {
+    const double m = body.mass.mass, I = body.mass.inertia(2, 2);
+    Matrix<2> M;
+    M << 1 / m + r[1] * r[1] / I, -r[0] * r[1] / I, -r[0] * r[1] / I, 1 / m + r[0] * r[0] / I;
+    return M;
+  }
+  Vector<2> at_contact() const { return {v[0] - spin * r[1], v[1] + spin * r[0]}; }
+  BodyState after() const {
+    constexpr double fall = 1e-5;
+    Scene scene(2, {body}, Vector<3>::Zero(), {ground(2)});
+    BodyState& s = scene.now.states[0];
+    s.q = turned() * Eigen::Quaterniond(Eigen::AngleAxisd(-fall * spin, Vector<3>::UnitZ()));
+    s.x = Vector<3>(0, -r[1], 0) - fall * v;
+    s.v = v;
+    s.W = {0, 0, spin};
+    scene.step.dt = 2 * fall;
+    scene.run(4 * fall);
+    return scene.now.states[0];
+  }
+  void rows(const std::string& what, const Vector<2>& P, double bound,
+            const std::string& limitation = "") const {
+    const BodyState end = after();
+    const double m = body.mass.mass, I = body.mass.inertia(2, 2);
+    const auto add = [&](const char* name, double exact, double computed, const char* unit) {
+      verify({.id = "VB11",
+              .what = "ellipse on a plane, " + what + ": " + name,
+              .exact = exact,
+              .computed = computed,
+              .measure = Measure::absolute_error,
+              .bound = bound * (unit[0] == 'm' ? v.norm() : v.norm() / 0.6),
+              .unit = unit,
+              .limitation = limitation});
+    };
+    add("speed along it after the impact", v[0] + P[0] / m, end.v[0], "m/s");
+    add("speed off it after the impact", v[1] + P[1] / m, end.v[1], "m/s");
+    add("angular speed after the impact", spin + (r[0] * P[1] - r[1] * P[0]) / I, end.W[2],
+        "rad/s");
+  }
+};
+
+/// Impulse and angular momentum with a restitution e of the normal speed at the contact point.
+TEST(VB11_Impact, an_ellipse_leaves_a_plane_off_its_centre) {
+  const EccentricImpact smooth(0, {2, -5, 0}, 3);
+  const double closing = -smooth.at_contact()[1];
+  smooth.rows("no friction", Vector<2>(0, 1.5 * closing / smooth.mobility()(1, 1)), 1e-3);
+  // It slides throughout: P = N (-mu, 1).
+  const EccentricImpact slides(0.2, {20, -5, 0}, 3);
+  const Vector<2> way(-0.2, 1);
+  const Vector<2> change = slides.mobility() * way;
+  slides.rows("friction 0.2, slides", -1.5 * slides.at_contact()[1] / change[1] * way, 1e-3);
+}
+
+/// With much friction the contact point of a rigid body would stay where it is. The tangential
+/// spring gives back a part of its energy, as an elastic body does (Maw, Barber and Fawcett 1976).
+TEST(VB11_Impact, an_ellipse_that_sticks) {
+  const EccentricImpact sticks(5, {2, -5, 0}, 3);
+  const Vector<2> c = sticks.at_contact();
+  const Vector<2> P = sticks.mobility().inverse() * Vector<2>(-c[0], -1.5 * c[1]);
+  sticks.rows("friction 5, sticks", P, 0.3,
+              "the tangential spring is elastic, the contact point goes back a part of its way");
 }
 
 }  // namespace
