@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <variant>
 
 #include "common/base/require.hpp"
@@ -12,6 +13,25 @@
 #include "fem_solver/report/widest_crack.hpp"
 
 namespace gabion::fem {
+
+namespace {
+
+/// What to try where statics find no equilibrium.
+template <int dim>
+std::string advice_on_statics(const FemSettings<dim>& settings) {
+  std::string advice = "let loads grow from 0 by \"table\", over several steps";
+  if (!settings.rotation_nodes.empty()) {
+    advice += "; beams turn freely at supports without \"rotations\"";
+  }
+  if (!settings.membranes.empty()) {
+    advice +=
+        "; a membrane without tension has no stiffness across: give it a \"prestress\" and hold "
+        "its rim, or run in dynamics";
+  }
+  return advice;
+}
+
+}  // namespace
 
 template <int dim>
 FemSolver<dim>::FemSolver(MPI_Comm comm, FemSettings<dim> settings,
@@ -103,13 +123,7 @@ StepReport FemSolver<dim>::solve_step(const StepRequest& request, const Interfac
     report = step_.solve(state_, interface_forces(received, request.dt), request.dt, trial);
   } catch (const ConvergenceError& error) {
     if (settings_.dynamic) throw;
-    std::string advice = "let loads grow from 0 by \"table\", over several steps";
-    if (!settings_.membranes.empty()) {
-      advice +=
-          "; a membrane without tension has no stiffness across: give it a \"prestress\" and hold "
-          "its rim, or run in dynamics";
-    }
-    throw failures_.judge(request, error, advice);
+    throw failures_.judge(request, error, advice_on_statics(settings_));
   }
   sent = interface_displacements(trial);
   trial_ = std::move(trial);

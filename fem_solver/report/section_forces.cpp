@@ -34,6 +34,10 @@ std::vector<std::int32_t> nodes_of(const FemSettings<dim>& settings, std::int32_
   return {nodes.begin(), nodes.end()};
 }
 
+/// Distance of the centre of an element from a plane, over its radius, below which it lies on the
+/// plane, and counts as in front: whatever way a scene is turned.
+constexpr double on_the_plane = 1e-9;
+
 }  // namespace
 
 template <int dim>
@@ -88,7 +92,8 @@ template <int dim>
 bool SectionForces<dim>::is_behind(std::span<const std::int32_t> nodes) const {
   Vector<dim> centre = Vector<dim>::Zero();
   for (const std::int32_t i : nodes) centre += mesh_.nodes[i] / static_cast<double>(nodes.size());
-  return (centre - section_.point).dot(section_.normal) < 0;
+  const double radius = (mesh_.nodes[nodes.front()] - centre).norm();
+  return (centre - section_.point).dot(section_.normal) < -on_the_plane * radius;
 }
 
 template <int dim>

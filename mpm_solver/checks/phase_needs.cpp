@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "common/mechanics/materials/strength_reduction.hpp"
+#include "mpm_solver/checks/seepage.hpp"
 
 namespace gabion::mpm {
 
@@ -60,10 +61,18 @@ void check_fluids(const ConfigReader& in, const MpmSettings<dim>& settings) {
   }
 }
 
-// Refuse laws whose strength cannot be reduced, elastic ones excepted, interfaces, and wide bases.
+// Refuse laws whose strength cannot be reduced, elastic ones excepted, pore water that drains,
+// interfaces, and wide bases.
 template <int dim>
 void check_strength_reduction(const ConfigReader& in, const MpmSettings<dim>& settings) {
   if (!any_reduces_strength(settings.phases)) return;
+  for (std::size_t b = 0; b < settings.bodies.size(); ++b) {
+    if (!drains(settings.bodies[b])) continue;
+    in.fail(
+        fmt::format("bodies/{}/water/permeability", b),
+        "found together with \"strength_reduction\", allowed: none; the soil is dry, or its pore "
+        "water stays where it is");
+  }
   if (settings.grid.basis != Basis::linear) {
     in.fail("basis",
             fmt::format("found \"{}\" together with \"strength_reduction\", allowed: \"linear\"; "

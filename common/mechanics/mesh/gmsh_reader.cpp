@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
+#include <string>
 #include <unordered_map>
 
 #include "common/base/log.hpp"
@@ -60,6 +62,17 @@ CellType type_of_facets(const GmshFile& file, const std::string& path) {
   return result.value_or(dim == 2 ? CellType::quad4 : CellType::hex8);
 }
 
+/// What to say of the groups of a file without cells, which a misspelt group of lines leaves so.
+std::string names_of_groups(const GmshFile& file) {
+  std::set<std::string> names;
+  for (const auto& block : file.element_blocks) {
+    for (const std::string& name : group_names(file, block)) names.insert(name);
+  }
+  if (names.empty()) return "";
+  return fmt::format(", and of its groups {} none is a material of lines or membranes",
+                     fmt::join(names, ", "));
+}
+
 /// The one type of the cells of dimension `dim`.
 template <int dim>
 CellType find_cell_type(const GmshFile& file, const std::string& path, bool has_others,
@@ -88,9 +101,9 @@ CellType find_cell_type(const GmshFile& file, const std::string& path, bool has_
   if (!result && has_others) return type_of_facets<dim>(file, path);
   require<ConfigError>(result.has_value(),
                        "{}: section $Elements: found no cells of dimension {} (the "
-                       "highest dimension is {}); a Gmsh file holds only elements of "
+                       "highest dimension is {}){}; a Gmsh file holds only elements of "
                        "physical groups once there is one",
-                       path, dim, highest);
+                       path, dim, highest, names_of_groups(file));
   return *result;
 }
 

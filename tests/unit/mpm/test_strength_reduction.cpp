@@ -157,6 +157,16 @@ TEST(StrengthReduction, wide_bases_are_refused) {
   }
 }
 
+TEST(StrengthReduction, water_that_drains_is_refused) {
+  for (const char* basis : {"linear", "gimp"}) {
+    Json json = vertical_cut(clay(25e3), search(1, 0.1, 0.01));
+    json["basis"] = basis;
+    json["bodies"][0]["water"] = {{"porosity", 0.4}, {"permeability", 1e-5}};
+    expect_error<ConfigError>([&] { mpm_settings<2>(json); },
+                              {"/bodies/0/water/permeability", "strength_reduction"});
+  }
+}
+
 TEST(StrengthReduction, inertia_is_refused) {
   Json json = vertical_cut(clay(25e3), search(1, 0.1, 0.01));
   json["analysis"] = "dynamic";
