@@ -146,8 +146,9 @@ typename FemProbes<dim>::Point FemProbes<dim>::locate(const FemSettings<dim>& se
   }
   const std::int32_t cell = first_cell_at(settings, probe.point);
   require<ConfigError>(cell >= 0, [&] {
-    return fmt::format("{}: found [{}], allowed: a point inside the mesh", probe.where,
-                       fmt::join(probe.point.data(), probe.point.data() + dim, ", "));
+    return fmt::format(
+        "{}: found [{}], allowed: a point inside the mesh; of lines and membranes a node",
+        probe.where, fmt::join(probe.point.data(), probe.point.data() + dim, ", "));
   });
   const std::int32_t c = ranks.held_cell(cell);
   if (c < 0) return {};
