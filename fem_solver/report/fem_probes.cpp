@@ -147,8 +147,7 @@ typename FemProbes<dim>::Point FemProbes<dim>::locate(const FemSettings<dim>& se
   const std::int32_t cell = first_cell_at(settings, probe.point);
   require<ConfigError>(cell >= 0, [&] {
     return fmt::format(
-        "{}: found [{}], allowed: a point inside the cells of the mesh, or a "
-        "node of its lines and membranes",
+        "{}: found [{}], allowed: a point inside the cells; of lines and membranes a node",
         probe.where, fmt::join(probe.point.data(), probe.point.data() + dim, ", "));
   });
   const std::int32_t c = ranks.held_cell(cell);

@@ -18,8 +18,9 @@ from .footing import stability
 from .incoming import Impact, froude, impacts
 from .surfaces import all_loads, loaded_surfaces, moments, rigid_walls, touched_faces
 
-# Columns of fem_solver about lines, membranes, metal and concrete: what they are called, their units, whether these are per metre
-# in 2D, and of which values the largest one is asked: of the sizes, of the values, or of these with the other sign.
+# Columns of fem_solver about lines, membranes, metal and concrete: what they are called, their units, whether these
+# are per metre in 2D, and of which values the largest one is asked: of the sizes, of the values, or of these with the
+# other sign.
 MEMBERS = {"axial_max": ("largest axial force in the lines of", "N", True, np.positive),
            "axial_min": ("least axial force in the lines of", "N", True, np.negative),
            "shear_max": ("largest shear force in the beams of", "N", True, np.abs),

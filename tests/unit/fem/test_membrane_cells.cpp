@@ -245,6 +245,25 @@ TEST(MembraneCells, forces_of_a_stretched_sheet) {
   }
 }
 
+/// Simple shear g of a sheet that wrinkles: E_1 = g^2 / 4 + g / 2 sqrt(1 + g^2 / 4), and one force
+/// N = E t E_1 (1 + 2 E_1) along the wrinkles.
+TEST(MembraneCells, forces_of_a_sheared_sheet_that_wrinkles) {
+  const double g = 0.1, E_1 = g * g / 4 + g / 2 * std::sqrt(1 + g * g / 4);
+  for (const bool triangles : {false, true}) {
+    const Sheets net(sheet(3, 2, flat(1, 1), triangles), material(true));
+    Eigen::VectorXd u(net.size());
+    for (std::size_t i = 0; i < net.mesh.nodes.size(); ++i) {
+      u.segment<3>(static_cast<Eigen::Index>(3 * i)) = Vector<3>(0, g * net.mesh.nodes[i][0], 0);
+    }
+    for (const auto& own :
+         net.membranes.blocks()[0].values({u.data(), static_cast<std::size_t>(u.size())})) {
+      EXPECT_EQ(own.state, MembraneState::wrinkled);
+      EXPECT_NEAR(own.principal[0], 2e6 * 0.004 * E_1 * (1 + 2 * E_1), 1e-9);
+      EXPECT_NEAR(own.principal[1], 0, 1e-9);
+    }
+  }
+}
+
 /// The prestress is the force over length and thickness in the mesh, whose boundary it pulls at.
 TEST(MembraneCells, prestress_is_that_of_the_mesh) {
   for (const bool tension_only : {false, true}) {
