@@ -67,6 +67,13 @@ class StoneMeetsWall(IntegrationCase):
     def test_implicit_steps(self) -> None:
         self.run_with("newmark")
 
+    def test_impact_within_few_steps(self) -> None:
+        """A stiff stone touches the wall for less than a millisecond: its peak depends on the step, which is said."""
+        files = stone_meets_wall("explicit")
+        files["mpm"]["boulders"][0]["stiffness"] = 1e12
+        self.write_scene(files)
+        self.assert_says(self.run_launch(code=0).text, "boulders pressed on \"wall\"", "the mean force of each step")
+
 
 def ellipsoid_meets_block(dim: int, height: float) -> dict[str, dict]:
     """An ellipsoid comes tilted to a block that nothing holds; nothing has weight. At `height` 0.05 it meets the upper
