@@ -113,7 +113,7 @@ void HardContact::add_place(const Under& under, const Place& place, Sums& sums) 
   memory.slip -= n.dot(memory.slip) * n;
   memory.slip = spring(memory.slip, stiffness, law.friction * N);
   if (memory.offset == 0 && -memory.gap > place.most_depth)
-    sums.too_deep = {.pair = place.pair, .depth = -memory.gap, .most = place.most_depth};
+    sums.too_deep = {.body = a, .other = b, .depth = -memory.gap, .most = place.most_depth};
   const Vector<3> force = N * place.normal - stiffness * memory.slip;
   Vector<3> moment = Vector<3>::Zero();
   const double radius = under.sphere_radius(a);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "mpm_solver/boulders/deep_place.hpp"
 #include "mpm_solver/boulders/ellipsoid_places.hpp"
 #include "mpm_solver/boulders/hard_contact.hpp"
 #include "mpm_solver/boulders/hard_places.hpp"
@@ -51,13 +52,8 @@ struct HardContact::Place {
 };
 
 struct HardContact::Sums {
-  /// A place where a sphere or ellipsoid is deeper than it may be; no body: there is none.
-  struct Depth {
-    Pair pair = {.a = -1};
-    double depth = 0, most = 0;
-  };
   std::vector<BodyLoad> loads;
-  Depth too_deep = {};
+  DeepPlace too_deep = {};
   /// Forces on vertices of obstacles in contact, by obstacle and vertex [N].
   std::map<std::array<std::int32_t, 2>, Vector<3>> nodal_forces = {};
   HardMemories memories = {};
