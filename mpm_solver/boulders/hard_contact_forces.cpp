@@ -33,12 +33,6 @@ double restitution_factor(double e, double rate) {
   return kept(e) - (1 - e * e) / 2 * std::clamp(rate / blend_speed, -1.0, 1.0);
 }
 
-// Share of its length that a spring keeps as its stiffness changes: a stiffer one keeps its force,
-// a softer one its length, so that neither stores more than before.
-double length_kept(double stiffness_before, double stiffness) {
-  return std::min(1.0, stiffness_before / stiffness);
-}
-
 // A spring that slips at a limit: it dissipates energy or keeps it.
 Vector<3> spring(const Vector<3>& stretched, double stiffness, double limit) {
   const double size = stiffness * stretched.norm();
