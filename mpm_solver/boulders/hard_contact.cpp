@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -32,21 +31,6 @@ Vector<3> origin_near(const std::vector<BodyState>& states) {
   Vector<3> mean = Vector<3>::Zero();
   for (const BodyState& s : states) mean += s.x / static_cast<double>(states.size());
   return origin_unit * (mean / origin_unit).array().round().matrix();
-}
-
-// Beyond that depth the nearest place of a surface is another one, and the body would pass.
-[[noreturn]] void refuse_depth(const std::vector<HardBody>& bodies,
-                               const std::array<std::int32_t, 2>& pair, double depth, double most) {
-  const auto name = [&](std::int32_t c) {
-    const bool is_body = c < static_cast<std::int32_t>(bodies.size());
-    return is_body ? fmt::format("\"{}\"", bodies[c].name) : "a surface";
-  };
-  throw ConvergenceError(
-      fmt::format("boulder {} is {:.4g} m deep in {}, allowed: a quarter of its radius or, of an "
-                  "ellipsoid, of half its length across the contact, {:.4g} m; give it a larger "
-                  "\"stiffness\", now {:.4g} N/m^2, or a smaller speed",
-                  name(pair[0]), depth, name(pair[1]), most, bodies[pair[0]].law.stiffness),
-      "boulders");
 }
 
 }  // namespace
@@ -183,8 +167,7 @@ bool HardContact::solve_within(double reach, const Start& start, const Step& ste
       under.share1 = h == remaining ? 1 : (done + h) / step.dt;
       if (solve_near(h, end.memories, watched, under, sums)) break;
     }
-    const auto& [deep, depth, most] = sums.too_deep;
-    if (deep.a >= 0) refuse_depth(bodies_, {deep.a, deep.b}, depth, most);
+    if (sums.too_deep.body >= 0) refuse(bodies_, sums.too_deep);
     const auto path = paths(under);
     for (Watched& w : watched) w.apart -= path[w.pairs.front().a] + path[w.pairs.front().b];
     add_substep(under, h / step.dt, sums, end);

@@ -33,12 +33,6 @@ double restitution_factor(double e, double rate) {
   return kept(e) - (1 - e * e) / 2 * std::clamp(rate / blend_speed, -1.0, 1.0);
 }
 
-// Share of its length that a spring keeps as its stiffness changes: a stiffer one keeps its force,
-// a softer one its length, so that neither stores more than before.
-double length_kept(double stiffness_before, double stiffness) {
-  return std::min(1.0, stiffness_before / stiffness);
-}
-
 // A spring that slips at a limit: it dissipates energy or keeps it.
 Vector<3> spring(const Vector<3>& stretched, double stiffness, double limit) {
   const double size = stiffness * stretched.norm();
@@ -113,7 +107,7 @@ void HardContact::add_place(const Under& under, const Place& place, Sums& sums) 
   memory.slip -= n.dot(memory.slip) * n;
   memory.slip = spring(memory.slip, stiffness, law.friction * N);
   if (memory.offset == 0 && -memory.gap > place.most_depth)
-    sums.too_deep = {.pair = place.pair, .depth = -memory.gap, .most = place.most_depth};
+    sums.too_deep = {.body = a, .other = b, .depth = -memory.gap, .most = place.most_depth};
   const Vector<3> force = N * place.normal - stiffness * memory.slip;
   Vector<3> moment = Vector<3>::Zero();
   const double radius = under.sphere_radius(a);

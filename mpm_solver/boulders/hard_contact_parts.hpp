@@ -7,21 +7,16 @@
 #include <span>
 #include <vector>
 
+#include "mpm_solver/boulders/deep_place.hpp"
 #include "mpm_solver/boulders/ellipsoid_places.hpp"
 #include "mpm_solver/boulders/hard_contact.hpp"
 #include "mpm_solver/boulders/hard_places.hpp"
+#include "mpm_solver/boulders/tangential_spring.hpp"
 
 namespace gabion::mpm {
 
 /// Cosine of the angle between normals of one place in two substeps.
 inline constexpr double same_normal = 0.9;
-
-/// Stiffness of the tangential direction: that of the normal one at this gap, and no less than the
-/// least one. With the least one alone the friction of an impact would be the smaller, the faster
-/// and the stiffer the bodies are [N/m].
-inline double tangential_at(double gap, double least, const HardLaw& law) {
-  return std::max(least, -2 * law.stiffness * gap);
-}
 
 struct HardContact::Pair {
   std::int32_t a = 0, sphere = 0;  // what has the sphere: a body, or an obstacle with its vertex
@@ -51,13 +46,8 @@ struct HardContact::Place {
 };
 
 struct HardContact::Sums {
-  /// A place where a sphere or ellipsoid is deeper than it may be; no body: there is none.
-  struct Depth {
-    Pair pair = {.a = -1};
-    double depth = 0, most = 0;
-  };
   std::vector<BodyLoad> loads;
-  Depth too_deep = {};
+  DeepPlace too_deep = {};
   /// Forces on vertices of obstacles in contact, by obstacle and vertex [N].
   std::map<std::array<std::int32_t, 2>, Vector<3>> nodal_forces = {};
   HardMemories memories = {};

@@ -53,8 +53,8 @@ double HardContact::stiffness_over_mass(const Place& place, std::int32_t c, doub
   const double impact = std::cbrt(1.5 * body.mass.mass * speed * speed / law.stiffness);
   const double depth = std::max(-place.g0, 0.0);
   now = 2 * law.stiffness * depth * mobility;
-  const double tangential = tangential_at(
-      std::min(place.g0, -impact), tangential_stiffness(place.pair.a, place.pair.b, law), law);
+  const double tangential =
+      tangential_at(place.g0, tangential_stiffness(place.pair.a, place.pair.b, law), law);
   return now + mobility * (2 * law.stiffness * impact + tangential);
 }
 

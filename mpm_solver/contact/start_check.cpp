@@ -5,12 +5,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -18,7 +15,7 @@
 #include "common/base/require.hpp"
 #include "common/mechanics/ranks/sum.hpp"
 #include "common/mechanics/ranks/text.hpp"
-#include "mpm_solver/contact/point_cubes.hpp"
+#include "mpm_solver/contact/near_surfaces.hpp"
 #include "mpm_solver/contact/sided_surface.hpp"
 
 namespace gabion::mpm {
@@ -189,57 +186,6 @@ void log_gaps(const std::vector<std::pair<std::string, double>>& gaps, double ce
   log_gap(fmt::format("{} boulders, nearest \"{}\"", gaps.size(), name), least, cell_size);
 }
 
-template <int dim>
-Eigen::AlignedBox<double, dim> box_around(const std::vector<Vector<dim>>& vertices) {
-  Eigen::AlignedBox<double, dim> box;
-  for (const Vector<dim>& x : vertices) box.extend(x);
-  return box;
-}
-
-// Surfaces that a point may be near to, ascending.
-class NearSurfaces {
- public:
-  // @param always  surfaces that every point is asked for, ascending
-  // @param hits    [point, surface] of the others, ascending in the surface
-  NearSurfaces(std::vector<std::int32_t> always, std::span<const std::array<std::int32_t, 2>> hits,
-               std::int32_t num_points)
-      : always_(std::move(always)), starts_(static_cast<std::size_t>(num_points) + 1, 0) {
-    for (const auto& [p, k] : hits) ++starts_[p + 1];
-    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
-    others_.resize(hits.size());
-    std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
-    for (const auto& [p, k] : hits) others_[next[p]++] = k;
-  }
-  void of_point(std::int32_t p, std::vector<std::int32_t>& surfaces) const {
-    surfaces.clear();
-    std::ranges::merge(always_, std::span(others_).subspan(starts_[p], starts_[p + 1] - starts_[p]),
-                       std::back_inserter(surfaces));
-  }
-
- private:
-  std::vector<std::int32_t> always_, others_;
-  std::vector<std::size_t> starts_;
-};
-
-// Soil farther than `reach` from a boulder's box does not meet it.
-template <int dim>
-NearSurfaces near_surfaces(const std::vector<StartSurface<dim>>& surfaces,
-                           const PointCubes<dim>& points, double reach) {
-  std::vector<std::int32_t> always;
-  std::vector<std::array<std::int32_t, 2>> hits;
-  for (std::int32_t k = 0; k < std::ssize(surfaces); ++k) {
-    if (!surfaces[k].is_boulder) {
-      always.push_back(k);
-      continue;
-    }
-    const auto box = box_around<dim>(surfaces[k].vertices);
-    points.for_near(box, reach, [&](std::int32_t p, const Vector<dim>& x) {
-      if (box.squaredExteriorDistance(x) <= reach * reach) hits.push_back({p, k});
-    });
-  }
-  return {std::move(always), hits, points.size()};
-}
-
 // The smallest gap that points of this rank have, of those no farther than `reach`; points that are
 // nearer to the box around the surface come first.
 template <int dim>
@@ -266,13 +212,25 @@ double smallest_gap_within(double reach, const StartSurface<dim>& surface,
   return gap;
 }
 
-// @param widest  largest_size() of the points of all ranks
+/// Soil whose points are found by their places.
 template <int dim>
-double smallest_gap(MPI_Comm comm, const StartSurface<dim>& surface,
-                    const MaterialPoints<dim>& points, const PointCubes<dim>& cubes,
-                    double cell_size, double widest, double farthest) {
+struct FoundSoil {
+  const MaterialPoints<dim>& points;
+  PointCubes<dim> cubes;
+  double widest;  // largest_size() of the points of all ranks
+};
+
+template <int dim>
+FoundSoil<dim> found_soil(MPI_Comm comm, const MaterialPoints<dim>& points, double cell_size) {
+  return {points, PointCubes<dim>(points.x, cell_size), max_over_ranks(comm, largest_size(points))};
+}
+
+template <int dim>
+double smallest_gap(MPI_Comm comm, const StartSurface<dim>& surface, const FoundSoil<dim>& soil,
+                    double cell_size, double farthest) {
   for (double reach = near_cells * cell_size;; reach *= 4) {
-    const double own = smallest_gap_within<dim>(reach + widest, surface, points, cubes);
+    const double own =
+        smallest_gap_within<dim>(reach + soil.widest, surface, soil.points, soil.cubes);
     const double gap = -max_over_ranks(comm, -own);
     if (gap <= reach || reach > farthest) return gap;
   }
@@ -332,8 +290,7 @@ std::vector<SoilAtStart<dim>> soil_at_start(const std::vector<StartSurface<dim>>
 template <int dim>
 double smallest_gap(MPI_Comm comm, const StartSurface<dim>& surface,
                     const MaterialPoints<dim>& points, double cell_size, double farthest) {
-  return smallest_gap<dim>(comm, surface, points, PointCubes<dim>(points.x, cell_size), cell_size,
-                           max_over_ranks(comm, largest_size(points)), farthest);
+  return smallest_gap<dim>(comm, surface, found_soil(comm, points, cell_size), cell_size, farthest);
 }
 
 template <int dim>
@@ -397,13 +354,12 @@ void check_start(MPI_Comm comm, const std::vector<StartSurface<dim>>& surfaces,
   const bool together =
       std::ranges::count_if(surfaces, &StartSurface<dim>::is_boulder) > most_lines;
   std::vector<std::pair<std::string, double>> gaps;  // of boulders that share a line
-  const PointCubes<dim> cubes(points.x, cell_size);
-  const double widest = max_over_ranks(comm, largest_size(points));
+  const FoundSoil<dim> soil = found_soil(comm, points, cell_size);
   for (std::size_t k = 0; k < surfaces.size(); ++k) {
     const ContactSettings<dim>& settings = surfaces[k].settings;
     refuse<dim>(settings, verdict_of<dim>(comm, found[k]));
-    const double gap = smallest_gap<dim>(comm, surfaces[k], points, cubes, cell_size, widest,
-                                         grid.diagonal().norm());
+    const double gap =
+        smallest_gap<dim>(comm, surfaces[k], soil, cell_size, grid.diagonal().norm());
     if (surfaces[k].is_boulder && together) {
       gaps.emplace_back(settings.name, gap);
     } else {

@@ -109,8 +109,8 @@ class EllipsoidMeetsBlock(IntegrationCase):
         self.write_scene(ellipsoid_meets_block(dim, height))
         self.run_launch(code=0)
         probes = read_table(self.out / "probes.csv")
-        both = [[float(row[f"soil.boulders_momentum_{axis}"]) + float(row[f"structure.momentum_{axis}"]) for row in probes]
-                for axis in "xyz"[:dim]]
+        both = [[float(row[f"soil.boulders_momentum_{axis}"]) + float(row[f"structure.momentum_{axis}"])
+                 for row in probes] for axis in "xyz"[:dim]]
         thrown = both[0][0]
         for axis in both:
             self.assertLess(max(abs(value - axis[0]) for value in axis), 1e-6 * thrown)
