@@ -8,7 +8,6 @@
 #include <numeric>
 
 #include "common/base/error.hpp"
-#include "common/base/log.hpp"
 #include "mpm_solver/contact/surface_features.hpp"
 
 namespace gabion::mpm {
@@ -16,8 +15,6 @@ namespace gabion::mpm {
 namespace {
 
 constexpr int most_passes = 25;
-// Fewer steps do not resolve the force of an impact.
-constexpr int steps_an_impact = 10;
 
 template <int dim>
 Vector<3> in_space(const Vector<dim>& x) {
@@ -239,35 +236,12 @@ void Boulders<dim>::refuse_exits() const {
   }
 }
 
-// A structure gets the mean force of a step. Say once that an impact was over after a few of them.
-template <int dim>
-void Boulders<dim>::watch_impacts() {
-  impact_steps_.resize(num_interfaces());
-  for (std::size_t k = 0; k < num_interfaces() && !warned_of_impact_; ++k) {
-    int& steps = impact_steps_[k];
-    const auto is_zero = [](const Vector<3>& force) { return force.isZero(0); };
-    if (!std::ranges::all_of(end_->nodal_forces[k], is_zero)) {
-      ++steps;
-      continue;
-    }
-    if (steps > 0 && steps < steps_an_impact) {
-      log::warn(
-          "boulders pressed on \"{}\" for no more than {:.3g} s, {} of {:.3g} s: the structure "
-          "gets "
-          "the mean force of each step, so the peaks of forces and stresses depend on the step; "
-          "{} steps an impact resolve them",
-          settings_.interfaces[k].name, steps * dt_,
-          steps == 1 ? "a step" : fmt::format("{} steps", steps), dt_, steps_an_impact);
-      warned_of_impact_ = true;
-    }
-    steps = 0;
-  }
-}
-
 template <int dim>
 void Boulders<dim>::accept() {
   if (empty()) return;
-  watch_impacts();
+  for (std::size_t k = 0; k < num_interfaces(); ++k) {
+    impacts_.look_at(k, settings_.interfaces[k].name, end_->nodal_forces[k], dt_);
+  }
   ledger_.add_step(contact_, accepted_, step_, *end_, in_space<dim>(settings_.gravity));
   accepted_ = {.states = end_->states, .memories = end_->memories};
   last_loads_ = step_.loads;

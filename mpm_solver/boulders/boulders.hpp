@@ -9,6 +9,7 @@
 #include "mpm_solver/boulders/aitken.hpp"
 #include "mpm_solver/boulders/boulder_ledger.hpp"
 #include "mpm_solver/boulders/boulder_settings.hpp"
+#include "mpm_solver/boulders/impact_watch.hpp"
 #include "mpm_solver/contact/surfaces.hpp"
 #include "mpm_solver/grid/background_grid.hpp"
 #include "mpm_solver/phases/phases.hpp"
@@ -88,7 +89,6 @@ class Boulders {
   Obstacle obstacle(std::size_t surface) const;
   Obstacle obstacle_in_step(std::size_t surface, const Request& request) const;
   std::vector<BodyLoad> soil_loads(std::span<const double> forces) const;
-  void watch_impacts();
   std::vector<double> difference(const std::vector<BodyLoad>& loads) const;
   std::size_t num_interfaces() const { return settings_.interfaces.size(); }
   std::size_t first_wall() const { return settings_.rigid_walls.size() - contact_.bodies().size(); }
@@ -103,8 +103,7 @@ class Boulders {
   std::vector<double> works_;         // of contact with hard bodies, since the start [J]
   BoulderLedger ledger_;
   std::vector<Vector<3>> forces_;  // mean in the accepted step, on interfaces, rigid walls [N]
-  std::vector<int> impact_steps_;  // steps in which boulders have pressed on each interface so far
-  bool warned_of_impact_ = false;
+  ImpactWatch impacts_;            // on interfaces
 
   // the current step
   double dt_ = 0, tolerance_ = 0;

@@ -155,7 +155,6 @@ class HardContact {
   void evaluate(const Under& under, const std::vector<Pair>& pairs, const HardMemories& memories,
                 Sums& sums) const;
   void add_place(const Under& under, const Place& place, Sums& sums) const;
-  HardLaw law_of(std::int32_t a, std::int32_t b) const;
   bool gives(std::int32_t a, std::int32_t b) const;
   double normal_force(const Under& under, const Place& place, const HardLaw& law,
                       HardMemory& memory) const;

@@ -5,51 +5,17 @@
 #include <limits>
 
 #include "mpm_solver/boulders/hard_contact_parts.hpp"
+#include "mpm_solver/boulders/hard_law.hpp"
+#include "mpm_solver/boulders/normal_spring.hpp"
 
 namespace gabion::mpm {
 
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Gap rates below which the factor of the restitution blends from loading to unloading, and the
-// least closing speed at surfaces that move under the force [m/s].
-constexpr double blend_speed = 0.02;
 constexpr double usual_gravity = 9.81;
 
-// (W(g_0) - W(g_1)) / (g_1 - g_0) over the stiffness, W = |g|^3 / 3 where g < 0.
-double mean_force(double g0, double g1) {
-  const double a = std::max(-g0, 0.0), b = std::max(-g1, 0.0);
-  if (g0 <= 0 && g1 <= 0) return (a * a + a * b + b * b) / 3;
-  if (a == 0 && b == 0) return 0;
-  return (a * a * a - b * b * b) / (3 * (g1 - g0));
-}
-
-// Share of the energy of an impact that the springs keep.
-double kept(double e) {
-  return (1 + e * e) / 2;
-}
-
-double restitution_factor(double e, double rate) {
-  return kept(e) - (1 - e * e) / 2 * std::clamp(rate / blend_speed, -1.0, 1.0);
-}
-
-// A spring that slips at a limit: it dissipates energy or keeps it.
-Vector<3> spring(const Vector<3>& stretched, double stiffness, double limit) {
-  const double size = stiffness * stretched.norm();
-  return size <= limit ? stretched : Vector<3>(stretched * (limit / size));
-}
-
 }  // namespace
-
-HardLaw HardContact::law_of(std::int32_t a, std::int32_t b) const {
-  if (a >= num_bodies()) return bodies_[b].law;
-  if (b >= num_bodies()) return bodies_[a].law;
-  const HardLaw &p = bodies_[a].law, &q = bodies_[b].law;
-  return {.friction = std::min(p.friction, q.friction),
-          .restitution = std::min(p.restitution, q.restitution),
-          .stiffness = p.stiffness * q.stiffness / (p.stiffness + q.stiffness),
-          .rolling = std::min(p.rolling, q.rolling)};
-}
 
 // The tangential direction is at least as stiff as the normal one is under the weight.
 double HardContact::tangential_stiffness(std::int32_t a, std::int32_t b, const HardLaw& law) const {
@@ -88,7 +54,7 @@ double HardContact::normal_force(const Under& under, const Place& place, const H
 
 void HardContact::add_place(const Under& under, const Place& place, Sums& sums) const {
   const auto [a, sphere, b, facet] = place.pair;
-  const HardLaw law = law_of(a, b);
+  const HardLaw law = law_between(bodies_, a, b);
   const Vector<3>& n = place.direction;
   HardMemory memory = place.known;
   const double N = normal_force(under, place, law, memory);
@@ -140,7 +106,7 @@ void HardContact::add_place(const Under& under, const Place& place, Sums& sums) 
 double HardContact::stored_energy(const HardMemories& memories) const {
   double sum = 0;
   for (const auto& [key, list] : memories) {
-    const HardLaw law = law_of(key[0], key[2]);
+    const HardLaw law = law_between(bodies_, key[0], key[2]);
     const double least = tangential_stiffness(key[0], key[2], law);
     const double share = gives(key[0], key[2]) ? 1 : kept(law.restitution);
     const double radius = key[0] < num_bodies() ? bodies_[key[0]].sphere : 0;

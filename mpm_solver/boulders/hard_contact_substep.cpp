@@ -6,6 +6,7 @@
 
 #include "mpm_solver/boulders/aitken.hpp"
 #include "mpm_solver/boulders/hard_contact_parts.hpp"
+#include "mpm_solver/boulders/hard_law.hpp"
 
 namespace gabion::mpm {
 
@@ -47,12 +48,11 @@ std::vector<double> HardContact::paths(const Under& under) const {
 double HardContact::stiffness_over_mass(const Place& place, std::int32_t c, double speed,
                                         double& now) const {
   const HardBody& body = bodies_[c];
-  const HardLaw law = law_of(place.pair.a, place.pair.b);
+  const HardLaw law = law_between(bodies_, place.pair.a, place.pair.b);
   const double arm = body.radius * body.radius / body.mass.inertia.diagonal().minCoeff();
   const double mobility = 1 / body.mass.mass + arm;
   const double impact = std::cbrt(1.5 * body.mass.mass * speed * speed / law.stiffness);
-  const double depth = std::max(-place.g0, 0.0);
-  now = 2 * law.stiffness * depth * mobility;
+  now = 2 * law.stiffness * std::max(-place.g0, 0.0) * mobility;
   const double tangential =
       tangential_at(place.g0, tangential_stiffness(place.pair.a, place.pair.b, law), law);
   return now + mobility * (2 * law.stiffness * impact + tangential);

@@ -20,4 +20,10 @@ inline double length_kept(double stiffness_before, double stiffness) {
   return std::min(1.0, stiffness_before / stiffness);
 }
 
+/// A spring that slips at a limit: it dissipates energy or keeps it.
+inline Vector<3> spring(const Vector<3>& stretched, double stiffness, double limit) {
+  const double size = stiffness * stretched.norm();
+  return size <= limit ? stretched : Vector<3>(stretched * (limit / size));
+}
+
 }  // namespace gabion::mpm
