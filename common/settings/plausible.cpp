@@ -141,6 +141,13 @@ const std::vector<PlausibleRange> of_soil = {
      "less than clay has",
      "more than gravel has",
      {{"m^2", 1e7}}},
+    {"rain/rate",
+     1e-9,
+     1e-4,
+     "m/s",
+     "less than any rain",
+     "more than any rain of an hour",
+     {{"mm/h", 1 / 3.6e6}}},
     {"water/cavitation_pressure", 100, 1e6, "Pa", "next to none", "more than pore water bears",
      pressures},
 };
