@@ -124,8 +124,11 @@ Json StrengthSearch::summary() const {
 
 void StrengthSearch::log_result() const {
   if (!bracketed()) {
-    log::warn("strength reduction: no failure found, the soil still rests with F = {:.5g}",
-              highest_);
+    log::warn(
+        "strength reduction: no failure found, the soil still rests with F = {:.5g}, where \"to\" "
+        "or "
+        "the time of the run ended the search",
+        highest_);
   } else if (found()) {
     log::info(
         "factor of safety: equilibrium with F = {:.5g}, none with {:.5g}; displacement {:.3g} m, "
