@@ -80,12 +80,16 @@ def moments(results: Results) -> list[tuple[str, np.ndarray, np.ndarray, np.ndar
 
 
 @lru_cache(maxsize=2)
-def touched_faces(results: Results) -> list[Face]:
-    """Faces of interfaces and rigid walls that soil pressed on, but not those of the ground."""
+def upright_faces(results: Results) -> list[Face]:
+    """Faces of interfaces and rigid walls, but not those of the ground."""
     up, ground = up_axis(results.dim, results.gravity), grounds(results)
-    faces = [face for name, series in results.surfaces.items() if len(series) and name not in ground
-             for face in faces_of(name, series, results.dim, up)]
-    return [face for face in faces if np.nanmax(face.pressure, initial=0) > 0]
+    return [face for name, series in results.surfaces.items() if len(series) and name not in ground
+            for face in faces_of(name, series, results.dim, up)]
+
+
+def touched_faces(results: Results) -> list[Face]:
+    """Of these, those that soil pressed on."""
+    return [face for face in upright_faces(results) if np.nanmax(face.pressure, initial=0) > 0]
 
 
 def grounds(results: Results) -> set[str]:
@@ -99,9 +103,10 @@ def rigid_walls(results: Results) -> set[str]:
 
 
 def loaded_surfaces(results: Results) -> dict[str, Series]:
-    """Name -> frames of the interfaces, and of those rigid walls that stand upright and had soil on their faces: a
-    bed is none."""
-    touched = {face.surface for face in touched_faces(results)}
+    """Name -> frames of the interfaces, and of those rigid walls that stand upright and had soil on their faces, or
+    may have had a pool: a bed is none."""
+    by_pools = bool(results.settings("mpm.json").get("pools"))  # frames of a surface have no pressure of pools
+    touched = {face.surface for face in (upright_faces if by_pools else touched_faces)(results)}
     rigid, ground = rigid_walls(results), grounds(results)
     return {name: series for name, series in results.surfaces.items() if len(series) and name not in ground
             and (name not in rigid or name in touched)}

@@ -112,8 +112,8 @@ def require_named_gaps(slope: Raster, where: str) -> None:
         count = int(np.sum(slope.values == value))
         if count:
             raise TerrainError(f"{where}: {slope.path}: found {count} heights of {value} m, which stand for no data, "
-                               f"allowed: a raster that says so, as after gdal_edit.py -a_nodata {value} (.asc: "
-                               f"NODATA_value {value})")
+                               "allowed: a raster that says so, as after gdal_edit.py (package gdal-bin) -a_nodata "
+                               f"{value} (.asc: NODATA_value {value})")
 
 
 def require_gentle(slope: Raster, where: str) -> None:

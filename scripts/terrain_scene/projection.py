@@ -58,7 +58,7 @@ def require_metres(text: str, place: np.ndarray, where: str) -> None:
             fault = f"whose metre is {1 / longest:.3g} m on the ground"
     if fault:
         raise TerrainError(f"{where}: found the projection {found.GetName()} {fault}, allowed: one in metres on the "
-                           "ground; gdalwarp -t_srs EPSG:NUMBER turns a raster into another one")
+                           "ground; gdalwarp (package gdal-bin) -t_srs EPSG:NUMBER turns a raster into another one")
 
 
 TRUE = 0.01  # relative error of lengths that a map may have; those of national and UTM grids have less
@@ -124,4 +124,4 @@ def require_same(raster: Raster, needed: str | None, whose: str) -> None:
     corners = np.array([(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y)])
     if turned(corners, found, needed, str(raster.path)) is not corners:
         raise TerrainError(f"{raster.path}: found the projection {name_of(found)}, {whose} has {name_of(needed)}, "
-                           "allowed: the same; gdalwarp -t_srs turns a raster into another projection")
+                           "allowed: the same; gdalwarp (package gdal-bin) -t_srs turns a raster into another one")

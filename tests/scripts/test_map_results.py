@@ -6,6 +6,7 @@
 """
 
 import base64
+import fcntl
 import json
 import os
 import unittest
@@ -85,6 +86,17 @@ class Layout(MapCase):
         for key in ("area", "time", "clear_height", "cell_size"):
             self.assertEqual(plan[key], of_files[key], key)
         self.assertIn("a polygon of numbers, which have no depth", self.terrain(*set_rows)[1])
+
+    def test_a_folder_that_another_process_writes(self) -> None:
+        """Of two at once one is refused, and leaves the other's files alone."""
+        self.scene.mkdir()
+        handle = os.open(self.scene, os.O_RDONLY)
+        self.addCleanup(os.close, handle)
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        code, said = self.terrain(*self.asked, "--replace")
+        self.assertEqual(code, 2)
+        self.assertIn("another process writes a scene there now", said)
+        self.assertEqual(list(self.scene.iterdir()), [])
 
     def test_what_the_folder_does_not_say(self) -> None:
         code, said = self.terrain()

@@ -11,8 +11,11 @@ from html.parser import HTMLParser
 
 import numpy as np
 from made_up_results import (AMPLITUDE, FORCE, KINDS, REASON, soil_frames, write_kind, write_results,
-                             write_rigid_walls, write_space_results)
+                             write_rigid_walls, write_series, write_space_results)
 from script_case import ScriptCase
+
+from plotting.results import Results
+from reporting.surfaces import loaded_surfaces
 
 VOID = {"meta", "link", "br", "hr", "img", "input"}
 
@@ -243,6 +246,21 @@ class Data(ReportCase):
         self.assertEqual((wall["corners"], len(wall["frames"])), (4, len(scene["times"])))
         faces = np.frombuffer(base64.b64decode(wall["faces"]), "<u4")
         self.assertEqual((len(faces), faces.max()), (20 * 4, 32))
+
+    def test_wall_that_only_a_pool_presses_on(self) -> None:
+        """Frames of its surface have no pressure, its force is in the tables: an upright wall counts, a bed not."""
+        folder = write_rigid_walls(write_results(self.folder))
+        config = folder / "mpm" / "resolved_config.json"
+        settings = json.loads(config.read_text())
+        settings["mpm.json"]["rigid_walls"].append({"name": "gate"})
+        upright = np.array([[0.1, 0.3, 0], [0.1, 0.2, 0], [0.1, 0.0, 0]])
+        write_series(folder / "mpm", "contact_gate", [(time, upright, np.array([[0, 1], [1, 2]]), {
+            "pressure": np.zeros(2)}) for time in np.linspace(0, 0.5, 6)])
+        for pools, found in (([], set()), ([{"level": 0.2}], {"gate"})):
+            settings["mpm.json"]["pools"] = pools
+            config.write_text(json.dumps(settings))
+            results = Results(folder)
+            self.assertEqual(set(loaded_surfaces(results)) & {"bed", "lid", "gate"}, found)
 
     def test_rigid_walls(self) -> None:
         """One at rest is there once, one that moves for each frame in which it acts."""
