@@ -54,14 +54,14 @@ def require_metres(text: str, place: np.ndarray, where: str) -> None:
         fault = f"in {found.GetLinearUnitsName()}"
     else:
         longest = max(scales_of(found, place, where), key=lambda scale: abs(np.log(scale)), default=1)
-        if abs(np.log(longest)) > TRUE:
+        if abs(np.log(longest)) > MOST_OFF:
             fault = f"whose metre is {1 / longest:.3g} m on the ground"
     if fault:
         raise TerrainError(f"{where}: found the projection {found.GetName()} {fault}, allowed: one in metres on the "
                            "ground; gdalwarp (package gdal-bin) -t_srs EPSG:NUMBER turns a raster into another one")
 
 
-TRUE = 0.01  # relative error of lengths that a map may have; those of national and UTM grids have less
+MOST_OFF = 0.01  # relative error of lengths that a map may have; those of national and UTM grids have less
 
 
 def scales_of(found, place: np.ndarray, where: str) -> list[float]:
@@ -78,15 +78,18 @@ def scales_of(found, place: np.ndarray, where: str) -> list[float]:
     places = place + step * np.array([(0, 0), (1, 0), (0, 1)])
     try:
         there = np.radians(np.array(osr.CoordinateTransformation(found, globe).TransformPoints(places))[:, :2])
-    except RuntimeError as error:
-        raise TerrainError(f"{where}: found ({place[0]:.9g}, {place[1]:.9g}), which has no place in the projection "
-                           f"{found.GetName()}: {error}") from error
+    except RuntimeError:
+        there = np.full((3, 2), np.nan)
+    if not np.isfinite(there).all():
+        raise TerrainError(f"{where}: found ({place[0]:.9g}, {place[1]:.9g}), allowed: places of the projection "
+                           f"{found.GetName()}, which has none there")
     radius, flattening = globe.GetSemiMajor(), 1 / (globe.GetInvFlattening() or np.inf)
     eccentricity = flattening * (2 - flattening)  # squared
     latitude = there[0, 1]
     across = radius / np.sqrt(1 - eccentricity * np.sin(latitude) ** 2)  # radius of curvature, east
     along = across * (1 - eccentricity) / (1 - eccentricity * np.sin(latitude) ** 2)  # north
     offsets = there[1:] - there[0]
+    offsets[:, 0] = (offsets[:, 0] + np.pi) % (2 * np.pi) - np.pi  # from one side of the date line to the other
     return list(step / np.hypot(across * np.cos(latitude) * offsets[:, 0], along * offsets[:, 1]))
 
 
