@@ -62,15 +62,14 @@ CellType type_of_facets(const GmshFile& file, const std::string& path) {
   return result.value_or(dim == 2 ? CellType::quad4 : CellType::hex8);
 }
 
-/// What to say of the groups of a file without cells, which a misspelt group of lines leaves so.
+/// What to say of the groups of a file without cells: a misspelt group of lines leaves it so.
 std::string names_of_groups(const GmshFile& file) {
   std::set<std::string> names;
   for (const auto& block : file.element_blocks) {
     for (const std::string& name : group_names(file, block)) names.insert(name);
   }
   if (names.empty()) return "";
-  return fmt::format(", and of its groups {} none is a material of lines or membranes",
-                     fmt::join(names, ", "));
+  return fmt::format("; its groups: {}", fmt::join(names, ", "));
 }
 
 /// The one type of the cells of dimension `dim`.
@@ -101,7 +100,7 @@ CellType find_cell_type(const GmshFile& file, const std::string& path, bool has_
   if (!result && has_others) return type_of_facets<dim>(file, path);
   require<ConfigError>(result.has_value(),
                        "{}: section $Elements: found no cells of dimension {} (the "
-                       "highest dimension is {}){}; a Gmsh file holds only elements of "
+                       "highest dimension is {}{}); a Gmsh file holds only elements of "
                        "physical groups once there is one",
                        path, dim, highest, names_of_groups(file));
   return *result;

@@ -157,7 +157,7 @@ TEST(FemConfig, contradictions) {
 TEST(FemConfig, points_away_from_the_mesh) {
   Json json = valid();
   json["probes"] = {{{"name", "A"}, {"point", {1.5, 1.0}}}};
-  expect_refused(json, {"/probes/0/point", "1.5", "inside the mesh"});
+  expect_refused(json, {"/probes/0/point", "1.5", "inside the cells"});
   json = valid();
   json["loads"] = {{{"point", {0.6, 2.0}}, {"force", {1, 0}}}};
   expect_refused(json, {"/loads/0/point", "no node", "[0.5, 2]"});

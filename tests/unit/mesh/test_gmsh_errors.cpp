@@ -141,15 +141,17 @@ TEST_F(GmshErrors, elements_that_cannot_be_read) {
   file.elements = "1 1 1 1\n2 1 2 1\n1 10 20 99\n";
   EXPECT_EQ(message(file.text()), "section $Elements: found node 99, which $Nodes does not have");
   file.elements = "1 1 1 1\n1 1 1 1\n1 10 20\n";
-  EXPECT_EQ(message(file.text()),
-            "section $Elements: found no cells of dimension 2 (the highest dimension is 1); a Gmsh "
-            "file holds only elements of physical groups once there is one");
+  EXPECT_EQ(
+      message(file.text()),
+      "section $Elements: found no cells of dimension 2 (the highest dimension is 1; its groups: "
+      "ground level); a Gmsh file holds only elements of physical groups once there is one");
 }
 
 TEST_F(GmshErrors, dimension_mismatch) {
-  EXPECT_EQ(message<3>(SmallFile().text()),
-            "section $Elements: found no cells of dimension 3 (the highest dimension is 2); a Gmsh "
-            "file holds only elements of physical groups once there is one");
+  EXPECT_EQ(
+      message<3>(SmallFile().text()),
+      "section $Elements: found no cells of dimension 3 (the highest dimension is 2; its groups: "
+      "body, ground level); a Gmsh file holds only elements of physical groups once there is one");
   const std::string path = std::string(MESH_DATA) + "/bricks.msh";
   EXPECT_EQ(error_of<ConfigError>([&] { read_gmsh<2>(path); }),
             path +
