@@ -15,6 +15,7 @@
 #include "common/mechanics/mesh/seen_facets.hpp"
 #include "common/mechanics/ranks/text.hpp"
 #include "common/settings/plausible.hpp"
+#include "fem_solver/flat_cells.hpp"
 #include "fem_solver/mesh_settings.hpp"
 #include "fem_solver/motion_settings.hpp"
 #include "fem_solver/nodal_settings.hpp"
@@ -348,6 +349,7 @@ FemSettings<dim> read_fem_settings(const Scene& scene, ConfigReader& in, MPI_Com
   if (in.has("$schema")) in.text("$schema");
   warn_of_implausible_settings(in, Described::structure);
   check_own_weight(in, s);
+  warn_of_flat_cells(s, comm);
   return s;
 }
 

@@ -189,6 +189,22 @@ std::string warnings_of(const Json& json) {
   return testing::internal::GetCapturedStderr();
 }
 
+/// One long cell across a strip locks in bending; not two, not a short or an enhanced one.
+TEST(FemConfig, flat_cells_with_full_integration_are_named) {
+  const auto said = [](std::vector<int> cells, const std::string& formulation) {
+    Json json = valid();
+    json["mesh"] = box_2d({4, 0.5}, cells);
+    json["material"]["formulation"] = formulation;
+    return warnings_of(json);
+  };
+  expect_parts(said({4, 1}, "full"), {"at /material/law: found 4 cells", "up to 2 times as long",
+                                      "2.4 times too little"});
+  for (const std::string& text :
+       {said({4, 2}, "full"), said({8, 1}, "full"), said({4, 1}, "enhanced")}) {
+    EXPECT_EQ(text.find("lock"), std::string::npos) << text;
+  }
+}
+
 /// Allowed, but the units look like others; steel and rubber do not.
 TEST(FemConfig, values_in_other_units_are_said) {
   Json json = valid();
