@@ -2,65 +2,44 @@
 #include "fem_solver/flat_cells.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
+#include <ranges>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "common/base/log.hpp"
 #include "common/mechanics/elements/cell_facets.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
 #include "common/mechanics/ranks/sum.hpp"
+#include "fem_solver/stress/brick_widths.hpp"
 #include "fem_solver/stress/cells_of_materials.hpp"
 
 namespace gabion::fem {
 
 namespace {
 
-constexpr double flat = 2;  // length over thickness from which bending is twice too stiff
+// Length over thickness from which bending is more than twice too stiff; 2 but for rounding.
+constexpr double flat = 2 * (1 - 1e-9);
 
-/// A pair of facets of a cell without common nodes.
-struct Across {
-  std::array<int, 2> facets;
-  double distance;  ///< of their middles [m]
-};
-
+/// The largest width of a cell over the smallest one.
 template <int dim>
-std::vector<Across> pairs_of_facets(const Mesh<dim>& mesh, std::int32_t c) {
-  const auto n = static_cast<std::size_t>(num_nodes(facet_type(mesh.cell_type)));
-  std::vector<std::vector<std::int32_t>> facets;
-  std::vector<Vector<dim>> middles;
-  for (int f = 0; f < num_facets(mesh.cell_type); ++f) {
-    const auto nodes = cell_facet(mesh, c, f);
-    facets.emplace_back(nodes.begin(), nodes.begin() + n);
-    Vector<dim>& middle = middles.emplace_back(Vector<dim>::Zero());
-    for (const std::int32_t i : facets.back()) middle += mesh.nodes[i] / static_cast<double>(n);
-  }
-  std::vector<Across> pairs;
-  for (std::size_t f = 0; f < facets.size(); ++f) {
-    for (std::size_t g = f + 1; g < facets.size(); ++g) {
-      const bool meet = std::ranges::find_first_of(facets[f], facets[g]) != facets[f].end();
-      if (meet) continue;
-      pairs.push_back(
-          {{static_cast<int>(f), static_cast<int>(g)}, (middles[f] - middles[g]).norm()});
-    }
-  }
-  return pairs;
+double slenderness(const Mesh<dim>& mesh, std::int32_t c) {
+  const auto widths = brick_widths(mesh, c);
+  return std::ranges::max(widths) / std::ranges::min(widths);
 }
 
 /// Length of a cell over its thickness, that of the part; 0: it has neighbours on both sides.
+/// @param neighbours  of its facets, see cell_neighbours()
 template <int dim>
 double flatness(const Mesh<dim>& mesh, std::int32_t c, std::span<const std::int32_t> neighbours) {
-  const auto pairs = pairs_of_facets(mesh, c);
-  double length = 0, thickness = 0;
-  for (const Across& pair : pairs) {
-    length = std::max(length, pair.distance);
-    const bool free = neighbours[static_cast<std::size_t>(pair.facets[0])] < 0 &&
-                      neighbours[static_cast<std::size_t>(pair.facets[1])] < 0;
-    if (free && (thickness == 0 || pair.distance < thickness)) thickness = pair.distance;
+  const auto widths = brick_widths(mesh, c);
+  double flattest = 0;
+  for (int axis = 0; axis < dim; ++axis) {
+    const bool is_whole =
+        neighbours[brick_facet(dim, axis, 0)] < 0 && neighbours[brick_facet(dim, axis, 1)] < 0;
+    if (is_whole) flattest = std::max(flattest, std::ranges::max(widths) / widths[axis]);
   }
-  return thickness > 0 ? length / thickness : 0;
+  return flattest;
 }
 
 }  // namespace
@@ -73,6 +52,8 @@ void warn_of_flat_cells(const FemSettings<dim>& settings, MPI_Comm comm) {
     return material.formulation == Formulation::full;
   };
   if (!can_lock || num_ranks(comm) > 1 || std::ranges::none_of(settings.materials, is_full)) return;
+  const auto all = std::views::iota(0, mesh.num_cells());
+  if (std::ranges::none_of(all, [&](int c) { return slenderness(mesh, c) >= flat; })) return;
   const auto cells = cells_of_materials<dim>(mesh, settings.materials, settings.ranks);
   const std::vector<std::int32_t> neighbours = cell_neighbours(mesh);
   const auto n = static_cast<std::size_t>(num_facets(mesh.cell_type));
@@ -89,8 +70,7 @@ void warn_of_flat_cells(const FemSettings<dim>& settings, MPI_Comm comm) {
     if (count == 0) continue;
     log::warn(
         "{}: found {} cells with \"formulation\" \"full\" that are the whole thickness of a part "
-        "and "
-        "up to {:.3g} times as long: they lock, so that the part bends some {:.2g} times too "
+        "and up to {:.3g} times as long: they lock, so that the part bends some {:.2g} times too "
         "little; allowed where it bends: \"enhanced\"{}, or several shorter cells",
         settings.materials[m].where, count, worst, 1 + 0.35 * worst * worst,
         dim == 3 ? ", \"solid_shell\"" : "");

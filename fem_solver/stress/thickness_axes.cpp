@@ -9,8 +9,8 @@
 
 #include "common/base/require.hpp"
 #include "common/mechanics/elements/cell_facets.hpp"
-#include "common/mechanics/elements/shape_functions.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
+#include "fem_solver/stress/brick_widths.hpp"
 #include "fem_solver/stress/cells_of_materials.hpp"
 
 namespace gabion::fem {
@@ -22,17 +22,6 @@ constexpr double rounding = 1e-9;  // of lengths that are differences of coordin
 constexpr const char* other_ways =
     "\"thickness\" \"side\" with a group of facets, \"numbering\", or another formulation";
 
-/// Distance between the centres of opposite facets, axis by axis.
-std::array<double, 3> widths(const Mesh<3>& mesh, std::int32_t c) {
-  ShapeValues<3> shape;
-  shape_functions<CellType::hex8>(Vector<3>::Zero(), shape);
-  Matrix<3> edges = Matrix<3>::Zero();
-  for (int a = 0; a < 8; ++a) {
-    edges += 2 * mesh.nodes[mesh.cell(c)[a]] * shape.dN[a].transpose();
-  }
-  return {edges.col(0).norm(), edges.col(1).norm(), edges.col(2).norm()};
-}
-
 /// Finds axes by what the whole mesh shows.
 class Finder {
  public:
@@ -40,7 +29,7 @@ class Finder {
       : mesh_(mesh), material_(material), ranks_(ranks), neighbours_(cell_neighbours(mesh)) {}
 
   int shortest(std::int32_t c) const {
-    const auto width = widths(mesh_, c);
+    const auto width = brick_widths(mesh_, c);
     const int axis = static_cast<int>(std::min_element(width.begin(), width.end()) - width.begin());
     const double next = std::min(width[(axis + 1) % 3], width[(axis + 2) % 3]);
     require<ConfigError>(2 * width[axis] <= (1 + rounding) * next, [&] {
