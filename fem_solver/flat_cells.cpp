@@ -2,11 +2,12 @@
 #include "fem_solver/flat_cells.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <ranges>
-#include <span>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "common/base/log.hpp"
 #include "common/mechanics/elements/cell_facets.hpp"
 #include "common/mechanics/mesh/boundary.hpp"
@@ -28,19 +29,54 @@ double slenderness(const Mesh<dim>& mesh, std::int32_t c) {
   return std::ranges::max(widths) / std::ranges::min(widths);
 }
 
-/// Length of a cell over its thickness, that of the part; 0: it has neighbours on both sides.
-/// @param neighbours  of its facets, see cell_neighbours()
+/// Length of a cell over the thickness of the part that it lies in.
 template <int dim>
-double flatness(const Mesh<dim>& mesh, std::int32_t c, std::span<const std::int32_t> neighbours) {
-  const auto widths = brick_widths(mesh, c);
-  double flattest = 0;
-  for (int axis = 0; axis < dim; ++axis) {
-    const bool is_whole =
-        neighbours[brick_facet(dim, axis, 0)] < 0 && neighbours[brick_facet(dim, axis, 1)] < 0;
-    if (is_whole) flattest = std::max(flattest, std::ranges::max(widths) / widths[axis]);
+class Flatness {
+ public:
+  explicit Flatness(const Mesh<dim>& mesh) : mesh_(mesh), neighbours_(cell_neighbours(mesh)) {}
+
+  /// The largest of the axes of a cell; 0 where the part is thicker than half the length.
+  double of(std::int32_t c) const {
+    const auto widths = brick_widths(mesh_, c);
+    const double length = std::ranges::max(widths);
+    double flattest = 0;
+    for (int axis = 0; axis < dim; ++axis) {
+      const double limit = length / flat;
+      double thickness = widths[axis];
+      for (const int end : {0, 1}) add_beyond(c, brick_facet(dim, axis, end), limit, thickness);
+      if (thickness <= limit) flattest = std::max(flattest, length / thickness);
+    }
+    return flattest;
   }
-  return flattest;
-}
+
+ private:
+  static constexpr int num_facets = 2 * dim;
+
+  /// Add the widths of the cells in a row beyond a facet of a cell, as far as `limit` [m].
+  void add_beyond(std::int32_t c, int facet, double limit, double& thickness) const {
+    for (std::int32_t next = neighbour(c, facet); next >= 0 && thickness <= limit;
+         next = neighbour(c, facet)) {
+      const auto [axis, end] = side_towards(next, c);
+      thickness += brick_widths(mesh_, next)[axis];
+      c = next;
+      facet = brick_facet(dim, axis, 1 - end);
+    }
+  }
+  std::int32_t neighbour(std::int32_t c, int facet) const {
+    return neighbours_[static_cast<std::size_t>(c) * num_facets + static_cast<std::size_t>(facet)];
+  }
+  /// Axis and end of the facet that a cell has in common with a neighbour.
+  std::array<int, 2> side_towards(std::int32_t c, std::int32_t other) const {
+    for (int axis = 0; axis < dim; ++axis) {
+      if (neighbour(c, brick_facet(dim, axis, 0)) == other) return {axis, 0};
+      if (neighbour(c, brick_facet(dim, axis, 1)) == other) return {axis, 1};
+    }
+    throw Error("a cell that is no neighbour of its neighbour");
+  }
+
+  const Mesh<dim>& mesh_;
+  std::vector<std::int32_t> neighbours_;
+};
 
 }  // namespace
 
@@ -55,23 +91,22 @@ void warn_of_flat_cells(const FemSettings<dim>& settings, MPI_Comm comm) {
   const auto all = std::views::iota(0, mesh.num_cells());
   if (std::ranges::none_of(all, [&](int c) { return slenderness(mesh, c) >= flat; })) return;
   const auto cells = cells_of_materials<dim>(mesh, settings.materials, settings.ranks);
-  const std::vector<std::int32_t> neighbours = cell_neighbours(mesh);
-  const auto n = static_cast<std::size_t>(num_facets(mesh.cell_type));
+  const Flatness<dim> flatness(mesh);
   for (std::size_t m = 0; m < cells.size(); ++m) {
     if (!is_full(settings.materials[m])) continue;
     double worst = 0;
     std::size_t count = 0;
     for (const std::int32_t c : cells[m]) {
-      const double found =
-          flatness(mesh, c, std::span(neighbours).subspan(static_cast<std::size_t>(c) * n, n));
+      const double found = flatness.of(c);
       worst = std::max(worst, found);
       if (found >= flat) ++count;
     }
     if (count == 0) continue;
     log::warn(
-        "{}: found {} cells with \"formulation\" \"full\" that are the whole thickness of a part "
-        "and up to {:.3g} times as long: they lock, so that the part bends some {:.2g} times too "
-        "little; allowed where it bends: \"enhanced\"{}, or several shorter cells",
+        "{}: found {} cells with \"formulation\" \"full\" that are up to {:.3g} times as long as "
+        "their "
+        "part is thick: they lock, so that it bends some {:.2g} times too little; allowed where it "
+        "bends: \"enhanced\"{}, or shorter cells",
         settings.materials[m].where, count, worst, 1 + 0.35 * worst * worst,
         dim == 3 ? ", \"solid_shell\"" : "");
   }

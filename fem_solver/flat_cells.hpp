@@ -5,8 +5,9 @@
 
 namespace gabion::fem {
 
-/// Warn of quadrilaterals and hexahedra with full integration that are the whole thickness of a
-/// part and long against it: they lock in bending. On one rank, whose mesh has all neighbours.
+/// Warn of quadrilaterals and hexahedra with full integration that are long against the thickness
+/// of their part, of one or several cells: they lock in bending. On one rank, whose mesh has all
+/// neighbours.
 template <int dim>
 void warn_of_flat_cells(const FemSettings<dim>& settings, MPI_Comm comm);
 

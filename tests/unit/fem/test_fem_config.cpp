@@ -189,7 +189,8 @@ std::string warnings_of(const Json& json) {
   return testing::internal::GetCapturedStderr();
 }
 
-/// One long cell across a strip locks in bending; not two, not a short or an enhanced one.
+/// Cells that are long against the thickness of a strip lock in bending, whether one or several lie
+/// across it; not shorter or enhanced ones.
 TEST(FemConfig, flat_cells_with_full_integration_are_named) {
   const auto said = [](std::vector<int> cells, const std::string& formulation) {
     Json json = valid();
@@ -199,8 +200,9 @@ TEST(FemConfig, flat_cells_with_full_integration_are_named) {
   };
   expect_parts(said({4, 1}, "full"), {"at /material/law: found 4 cells", "up to 2 times as long",
                                       "2.4 times too little"});
+  expect_parts(said({2, 3}, "full"), {"found 6 cells", "up to 4 times as long"});
   for (const std::string& text :
-       {said({4, 2}, "full"), said({8, 1}, "full"), said({4, 1}, "enhanced")}) {
+       {said({5, 1}, "full"), said({5, 10}, "full"), said({4, 1}, "enhanced")}) {
     EXPECT_EQ(text.find("lock"), std::string::npos) << text;
   }
 }
